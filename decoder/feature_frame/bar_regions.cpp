@@ -10,7 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include "decoder/feature_frame/bar_direction.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 
 namespace tagsmith::detail {
@@ -52,7 +51,8 @@ struct BarredTiles {
         open(gradients.size()) {}
 
   std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>((row + 1) * stride + column + 1);
+    return static_cast<std::size_t>(row + 1) * static_cast<std::size_t>(stride) +
+           static_cast<std::size_t>(column + 1);
   }
 
   int columns;
@@ -123,12 +123,13 @@ Cluster grow(BarredTiles& tiles, std::size_t start) {
     const std::size_t at = queue[i];
     const TileGradient& gradient = tiles.gradients[at];
     const auto stride = static_cast<std::size_t>(tiles.stride);
-    cluster.centres.push_back({kTile * (static_cast<double>(at % stride) - 0.5) - 0.5,
-                               kTile * (static_cast<double>(at / stride) - 0.5) - 0.5});
+    const std::size_t row = at / stride, column = at % stride;
+    cluster.centres.push_back({kTile * (static_cast<double>(column) - 0.5) - 0.5,
+                               kTile * (static_cast<double>(row) - 0.5) - 0.5});
     cluster.direction = cluster.direction + PixelPoint{static_cast<double>(gradient.cos2),
                                                        static_cast<double>(gradient.sin2)};
-    for (const std::size_t row : {at - stride, at, at + stride}) {
-      for (const std::size_t next : {row - 1, row, row + 1}) {
+    for (const std::size_t beside : {at - stride, at, at + stride}) {
+      for (const std::size_t next : {beside - 1, beside, beside + 1}) {
         if (tiles.open[next] == 0 || !same_direction(gradient, tiles.gradients[next])) continue;
         tiles.open[next] = 0;
         queue.push_back(next);
@@ -138,8 +139,7 @@ Cluster grow(BarredTiles& tiles, std::size_t start) {
   return cluster;
 }
 
-// The rectangle around a cluster; nothing when it is too small or too high for a symbol, or mostly
-// empty.
+// The rectangle around a cluster; nothing when it is too small for a symbol.
 std::optional<BarRegion> region_of(const Cluster& cluster) {
   const double angle = std::atan2(cluster.direction.y, cluster.direction.x) / 2;
   BarRegion region;
@@ -155,24 +155,7 @@ std::optional<BarRegion> region_of(const Cluster& cluster) {
   region.centre = (left + right) / 2 * region.across + (top + bottom) / 2 * along;
   region.length = right - left + kTile;
   region.height = bottom - top + kTile;
-  const double tiles = region.length * region.height / (kTile * kTile);
-  const bool is_likely =
-      region.length >= kBarRegion.least_length &&
-      region.length > kBarRegion.least_proportion * region.height &&
-      static_cast<double>(cluster.centres.size()) > kBarRegion.least_filled * tiles;
-  return is_likely ? std::optional(region) : std::nullopt;
-}
-
-// Two clusters as one when together they still fill a rectangle.
-std::optional<BarRegion> region_of(const Cluster& a, const Cluster& b) {
-  if (dot(a.direction, b.direction) <
-      kBarRegion.least_cosine * length(a.direction) * length(b.direction)) {
-    return std::nullopt;
-  }
-  Cluster both = a;
-  both.centres.insert(both.centres.end(), b.centres.begin(), b.centres.end());
-  both.direction = a.direction + b.direction;
-  return region_of(both);
+  return region.length >= kBarRegion.least_length ? std::optional(region) : std::nullopt;
 }
 
 }  // namespace
@@ -184,22 +167,12 @@ BarRegion scaled(const BarRegion& region, double scale) {
 }
 
 bool runs_off(const GrayView& image, const BarRegion& region) {
-  constexpr double kShort = kTile + 2;  // pixels by which a region may be too short
-  const PixelPoint reach =
-      ((0.5 + kBarRegion.near_border) * region.length + kShort) * region.across;
+  constexpr double kShort = 2 * kTile + 2;  // pixels by which a region may be too short
+  const PixelPoint reach = (region.length / 2 + kShort) * region.across;
   const auto outside = [&](PixelPoint at) {
     return at.x < 0 || at.y < 0 || at.x > image.width - 1 || at.y > image.height - 1;
   };
   return outside(region.centre - reach) || outside(region.centre + reach);
-}
-
-bool is_symbol_like(const GrayView& image, const BarRegion& region) {
-  const PixelPoint right = kBarRegion.middle / 2 * region.length * region.across;
-  const PixelPoint down = kBarRegion.middle / 2 * region.height * region.along();
-  const PixelPoint& c = region.centre;
-  const BarSteps steps =
-      bar_steps(image, {c - right - down, c + right - down, c + right + down, c - right + down});
-  return steps.along > kBarRegion.least_step && steps.along > kBarRegion.least_ratio * steps.across;
 }
 
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<const Quad> known) {
@@ -212,11 +185,8 @@ std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<co
   std::ranges::stable_sort(clusters, std::ranges::greater{},
                            [](const Cluster& cluster) { return cluster.centres.size(); });
   std::vector<BarRegion> regions;
-  for (std::size_t i = 0; i < clusters.size(); ++i) {
-    if (const auto region = region_of(clusters[i])) regions.push_back(*region);
-    for (std::size_t j = i + 1; j < std::min(clusters.size(), kBarRegion.most_joined); ++j) {
-      if (const auto region = region_of(clusters[i], clusters[j])) regions.push_back(*region);
-    }
+  for (const Cluster& cluster : clusters) {
+    if (const auto region = region_of(cluster)) regions.push_back(*region);
   }
   return regions;
 }

@@ -27,17 +27,13 @@ struct BarRegion {
 BarRegion scaled(const BarRegion& region, double scale);
 
 // Whether the first or the last bar is so near the image's border that the symbol may go on
-// beyond it: its quiet zone is longer.
+// beyond it.
 bool runs_off(const GrayView& image, const BarRegion& region);
 
-// Whether the grey level changes much from bar to bar and little along them, in the middle of the
-// region: what a wall's texture, pipes and edges of plates fail.
-bool is_symbol_like(const GrayView& image, const BarRegion& region);
-
 // The regions of an image outside the parts that are `known`: connected tiles whose gradients,
-// taken together with those of the tiles around, agree on one direction, and pairs of such regions
-// that something in front keeps apart. Tiles at the edge of a region are left out, so that regions
-// that hang together by the edge of a plate or of a cable come apart. The extent is good to a tile.
+// taken together with those of the tiles around, agree on one direction. Tiles at the edge of a
+// region are left out, so that regions that hang together by the edge of a plate or of a cable come
+// apart. The extent is good to a tile.
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture,
                                         std::span<const Quad> known = {});
 

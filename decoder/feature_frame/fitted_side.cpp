@@ -204,7 +204,7 @@ NormalEquations accumulate(const Parameters& p, const SideSamples& samples, cons
   normal.weight = static_cast<double>(total.sum());
   // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
   // is.
-  const double stroke_weight = scale * scale / (kEdgeFit.stroke_sigma * kEdgeFit.stroke_sigma);
+  const double stroke_weight = scale * scale / (kEdgeFit.log_sigma * kEdgeFit.log_sigma);
   const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
   normal.matrix(kLogStroke, kLogStroke) += stroke_weight;
   normal.right[kLogStroke] += stroke_weight * stroke_residual;
@@ -266,7 +266,7 @@ double noise_scale(const SideSamples& samples, const Parameters& p, const SideLi
 Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p, double scale,
                   int most_steps) {
   const NormalEquations found = minimise_damped(
-      p, {most_steps, kEdgeFit.settled},
+      p, {.most = most_steps},
       [&](const Parameters& at) { return accumulate(at, samples, side, scale); },
       [&](Parameters& at) { constrain(at, side.stroke); });
   return {p, found, scale};
@@ -363,7 +363,7 @@ std::optional<SideSamples> evenly_lit(const GrayView& image, const SideSamples& 
 // it is too short to tell. `noise`: of a sample, grey levels.
 std::optional<Solved> solve_shown(const GrayView& image, const SideLine& side, double thin,
                                   double noise) {
-  if (distance(side.begin, side.end) < kEdgeFit.least_slice * kSlices) return std::nullopt;
+  if (distance(side.begin, side.end) < kSlices) return std::nullopt;
   auto part = shown_part(edge_samples(image, side, thin, kSlices), noise);
   if (!part) return std::nullopt;
   // What covers a side has put it a few pixels aside, where the edge is hardly among the samples.
@@ -488,7 +488,7 @@ SeenSagitta FittedSide::bow() const {
   const double blur = std::exp(solution.parameters[kLogBlur]);
   const double stroke = std::exp(solution.parameters[kLogStroke]);
   const double unexplained =
-      std::hypot(kCorner.bow, kCorner.bow_blurred * std::pow(blur / stroke, 2));
+      std::hypot(kCorner.along_grid, kCorner.blurred * std::pow(blur / stroke, 2));
   return {(products[kParameters] - eliminated.dot(right)) / information,
           kCorner.alike * noise / information + unexplained * unexplained};
 }

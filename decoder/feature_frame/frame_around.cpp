@@ -46,13 +46,11 @@ void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int cou
   levels.resize(static_cast<std::size_t>(inside) + 1);
   sample_line_inside(image, {start, step}, levels);
   const auto drop_at = [&](std::size_t i) { return levels[i - 1] - levels[i + 1]; };
-  float strongest = 0;
-  for (std::size_t i = 1; i + 1 < levels.size(); ++i) strongest = std::max(strongest, drop_at(i));
-  const float least =
-      std::max(static_cast<float>(kSide.least_fall), kFrameAround.least_share * strongest);
   for (std::size_t i = 1; i + 2 < levels.size(); ++i) {
     const float drop = drop_at(i);
-    if (drop < least || (i > 1 && drop_at(i - 1) > drop) || drop_at(i + 1) >= drop) continue;
+    if (drop < static_cast<float>(kSide.least_fall) || (i > 1 && drop_at(i - 1) > drop) ||
+        drop_at(i + 1) >= drop)
+      continue;
     falls.push_back(to_fall(start + static_cast<double>(i) * step));
   }
 }
@@ -99,13 +97,12 @@ struct Line {
 std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, std::size_t most) {
   const auto bins = static_cast<std::size_t>(reach + 3);
   const auto slope_of = [](std::size_t k) {
-    return kFrameAround.most_slope *
-           (static_cast<double>(k) - static_cast<double>(kFrameAround.slopes)) /
-           static_cast<double>(kFrameAround.slopes);
+    return kFrameAround.most_slope * (static_cast<double>(k) - kFrameAround.scan_lines) /
+           kFrameAround.scan_lines;
   };
-  const double least_shown = kFrameAround.least_shown * kFrameAround.scan_lines;
+  const double least_shown = kSide.least_shown * kFrameAround.scan_lines;
   if (static_cast<double>(falls.size()) < least_shown) return {};
-  constexpr std::size_t kAllSlopes = 2 * kFrameAround.slopes + 1;
+  constexpr std::size_t kAllSlopes = 2 * kFrameAround.scan_lines + 1;
   LineVotes votes(kAllSlopes, bins);
   for (std::size_t k = 0; k < kAllSlopes; ++k) {
     int* bin = votes.of_slope(k);
@@ -176,7 +173,8 @@ std::optional<Line> side_beside(const GrayView& image, const BarRegion& block, c
   std::vector<Fall> falls;
   std::vector<float> levels;
   for (int k = 0; k < kFrameAround.scan_lines; ++k) {
-    const double share = 0.03 + 0.1 * (k / 2) / (kFrameAround.scan_lines / 2 - 1);
+    const int pair = k / 2, last_pair = kFrameAround.scan_lines / 2 - 1;
+    const double share = 0.03 + 0.1 * pair / last_pair;
     const double v = k % 2 == 0 ? share : 1 - share;
     // Between the lines -upper.out + -upper.slope * at and lower.out + lower.slope * at.
     const double middle = (1 - v) * -upper.out + v * lower.out;

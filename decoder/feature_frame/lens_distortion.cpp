@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "decoder/feature_frame/tuning.hpp"
+#include "tagsmith/base/normal.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
@@ -141,7 +142,7 @@ std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<Se
     unexplained += std::pow(seen[i].beyond - change * by_lambda[i], 2) / seen[i].variance;
   }
   const double explained = std::pow(lens.lambda / lens.sigma, 2);
-  if (!(explained > std::max(kLens.clear * kLens.clear, unexplained))) return std::nullopt;
+  if (!(explained > std::max(kBeyondNoise * kBeyondNoise, unexplained))) return std::nullopt;
   for (const PixelPoint& corner : corners) {
     const PixelPoint off = corner - centre;
     const double there = lens.lambda * dot(off, off);
@@ -155,8 +156,7 @@ UnseenLens unseen_lens(const Quad& corners, const std::array<SeenSagitta, 4>& se
   UnseenLens unseen{0, bows_by_lambda(corners, centre, 0)};
   const std::optional<RadialLens> lens = likeliest_lens(unseen.bows, seen, 0);
   if (!lens) return {};
-  unseen.lambda =
-      std::min(std::hypot(lens->lambda, lens->sigma), kLens.most_unseen / dot(centre, centre));
+  unseen.lambda = std::min(std::hypot(lens->lambda, lens->sigma), kLens.most / dot(centre, centre));
   for (double& bow : unseen.bows) bow *= unseen.lambda;
   return unseen;
 }

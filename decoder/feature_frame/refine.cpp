@@ -12,6 +12,7 @@
 
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
+#include "tagsmith/base/normal.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -68,7 +69,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     FittedSide& side = sides[i];
     result.bows[i] = side.bow();
     const double correlation = sight.was_sharpened ? side.noise_correlation() : 1;
-    if (std::abs(std::log(side.blur_px() / blur)) >= kEdgeFit.different_blur) side.try_blur(blur);
+    if (std::abs(std::log(side.blur_px() / blur)) > kEdgeFit.log_sigma) side.try_blur(blur);
     lines[i] = side.line();
     result.frame.sides[i] = side.side();
     result.frame.sides[i].covariance *= correlation;
@@ -80,24 +81,15 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
   return result;
 }
 
-// Fits the frame through a known lens, anew while the corners from which its bows were reckoned
-// move: a side's bow grows with its distance from the lens's centre.
+// Fits the frame through a known lens, and once more with the bows that its sides have where they
+// were found: a side's bow grows with its distance from the lens's centre.
 FrameResult<RefinedFrame> fit_with_known_lens(const Sight& sight, const Quad& settled,
                                               const LensDistortion& lens) {
   FrameResult<FrameFit> fit = fit_frame(sight, settled, lens, {});
   if (!fit) return tl::unexpected(fit.error());
-  Quad from = settled;
-  for (int round = 1; round < kEdgeFit.rounds && lens.bends(); ++round) {
-    const Quad& corners = fit->frame.corners;
-    double moved = 0;
-    for (std::size_t i = 0; i < 4; ++i) moved = std::max(moved, distance(corners[i], from[i]));
-    if (moved < kEdgeFit.at_rest) break;
-    from = corners;
-    FrameResult<FrameFit> again = fit_frame(sight, from, lens, {});
-    if (!again) break;
-    fit = std::move(again);
-  }
-  return fit->frame;
+  if (!lens.bends()) return fit->frame;
+  const FrameResult<FrameFit> again = fit_frame(sight, fit->frame.corners, lens, {});
+  return again ? again->frame : fit->frame;
 }
 
 // What the sides of a frame tell of an unknown lens: one for all of them, and of each by how much
@@ -117,7 +109,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, PixelPo
 // where it is no noise.
 double bow_doubt(const SeenSagitta& seen) {
   const double square = seen.beyond * seen.beyond;
-  return square > kLens.clear * kLens.clear * seen.variance ? 4.0 / 9 * square : 0;
+  return square > kBeyondNoise * kBeyondNoise * seen.variance ? 4.0 / 9 * square : 0;
 }
 
 // What a lens that does not show adds to the covariances of sides that were fitted straight.

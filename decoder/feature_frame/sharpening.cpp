@@ -138,7 +138,6 @@ struct Problem {
   std::array<SideProfile, 4> sides;
   SharpenedParameters nominal = SharpenedParameters::Zero();
   SharpenedParameters prior_sigma = SharpenedParameters::Zero();
-  double scale = kSharpening.dirt;  // grey levels of the Cauchy weights
 };
 
 Problem problem_of(const GrayView& image, const RefinedFrame& frame, const FrameShape& shape) {
@@ -189,13 +188,12 @@ void add_side(const Problem& problem, const SharpenedParameters& p, std::size_t 
   for (Eigen::Index k = 0; k < levels.size(); ++k) {
     const EdgeSample& sample = side.samples[static_cast<std::size_t>(k)];
     const double variance =
-        kSharpening.noise * kSharpening.noise / static_cast<double>(sample.weight) +
-        kSharpening.model * kSharpening.model;
+        kEdgeFit.least_residual * kEdgeFit.least_residual / static_cast<double>(sample.weight);
     const double off = static_cast<double>(sample.value) - levels[k];
-    const double ratio2 = off * off / (problem.scale * problem.scale);
+    const double ratio2 = off * off / (kSharpening.dirt * kSharpening.dirt);
     root[k] = 1 / std::sqrt(variance * (1 + ratio2));
     residual[k] = root[k] * off;
-    equations.cost += problem.scale * problem.scale / variance * std::log1p(ratio2);
+    equations.cost += kSharpening.dirt * kSharpening.dirt / variance * std::log1p(ratio2);
   }
   Eigen::MatrixXd terms(levels.size(), kCommon + kOfSide);
   for (int j = 0; j < kCommon + kOfSide; ++j) {
@@ -240,7 +238,7 @@ struct SharpenedSolution {
 
 SharpenedSolution minimise(const Problem& problem, SharpenedParameters p) {
   const Equations found = minimise_damped(
-      p, {kSharpening.most_steps, kSharpening.settled, 1e-2},
+      p, {.damping = 1e-2},
       [&](const SharpenedParameters& at) { return equations_at(problem, at); },
       constrain_sharpened);
   return {p, found.cost};
@@ -260,15 +258,12 @@ bool may_be_sharpened(const Problem& problem) {
   const double variance = solver.solve(SharpenedParameters::Unit(kCommonAmount))[kCommonAmount];
   const double noise = std::max(1.0, (plain.cost - plain.right.dot(step)) / sample_count(problem));
   const double amount = step[kCommonAmount];
-  return amount > 0 && amount * amount > kSharpening.worth * noise * variance;
+  return amount > 0 && amount * amount > kSharpening.clear * noise * variance;
 }
 
-SharpenedSolution sharpened_fit(Problem problem) {
+SharpenedSolution sharpened_fit(const Problem& problem) {
   SharpenedParameters start = problem.nominal;
   start[kCommonAmount] = 0.5;
-  const double scale = std::exchange(problem.scale, kSharpening.far_off);
-  start = minimise(problem, start).parameters;
-  problem.scale = scale;
   return minimise(problem, start);
 }
 
@@ -331,7 +326,7 @@ Area around(const GrayView& image, const Quad& quad) {
     left = std::min(left, corner.x), right = std::max(right, corner.x);
     top = std::min(top, corner.y), bottom = std::max(bottom, corner.y);
   }
-  const double margin = kSharpening.margin_px + 0.1 * std::max(right - left, bottom - top);
+  const double margin = kSharpening.beyond_px + 0.1 * std::max(right - left, bottom - top);
   const auto pixel = [](double at, int size) {
     return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(size)));
   };

@@ -16,11 +16,11 @@ inline constexpr CandidateTuning kCandidate;
 
 // The fall from white inside a frame to its dark stroke, and the coarse fit of a side to it.
 struct SideTuning {
-  double least_fall = 6;      // grey levels from white to dark, over one pixel or two
-  double scanned = 0.92;      // of a side's length: leaves the corners out
-  double least_shown = 0.45;  // of the profiles across a side that must agree on one edge
-  double tolerance = 0.6;     // pixels off the side of a profile that agrees
-  double agreed = 0.85;       // of the profiles: as good as all
+  double least_fall = 6;     // grey levels from white to dark, over one pixel or two
+  double scanned = 0.92;     // of a side's length: leaves the corners out
+  double least_shown = 0.5;  // of the profiles across a side that must agree on one edge
+  double tolerance = 0.6;    // pixels off a line of what agrees with it
+  double agreed = 0.85;      // of the profiles: as good as all
   // Of the logarithm of the frame's proportions: what a side must show of them to tell which of
   // the two it is.
   double clear_elongation = 0.42;
@@ -36,17 +36,14 @@ struct EdgeFitTuning {
   int zones = 4;              // along a side in which samples are averaged
   double thin_stroke = 4;     // pixels: fitted by both of its edges
   double most_pixels = 1000;  // of a side; more add nothing that the model could use
-  double stroke_sigma = 0.6;  // of the logarithm of the stroke's thickness, by the guess
-  double least_residual = 3;  // grey levels of the scale of the Cauchy weights
-  double settled = 3e-5;      // change of the cost: the corners move by less than their noise
+  // Of logarithms: the stroke's thickness by the guess, a side's blur by that of the others.
+  double log_sigma = 0.4;
+  double least_residual = 3;  // grey levels: of a pixel's noise, of the scale of Cauchy weights
   double start_blur = 0.6;    // pixels
-  double different_blur = 0.25;  // of the logarithm, between a side and the others: fitted again
-  int rounds = 4;                // of fits through a lens and bows that these change
-  double at_rest = 0.02;         // pixels that the corners move from round to round
+  int rounds = 4;             // of fits through a lens and bows that these change
   // Where some of a side's samples are of something else, its edge is looked for slice by slice.
   double least_fitting = 0.8;   // mean weight of the samples; with less, the edge may be covered
   double most_residual = 0.1;   // of the contrast, the scale of the Cauchy weights; or with more
-  double least_slice = 5;       // pixels: noise hides the edge in shorter ones
   double slice_contrast = 0.5;  // of the side's, in a slice that shows the edge
   double slice_off = 0.35;      // pixels off the line of the others
 };
@@ -54,20 +51,12 @@ inline constexpr EdgeFitTuning kEdgeFit;
 
 // What the sides tell of sharpening. Set by `./dev bench chain` with seed 1, tried with seed 2.
 struct SharpeningTuning {
-  double beyond_px = 5;   // pixels of white to either side of the stroke
-  double noise = 3;       // grey levels, of a pixel
-  double model = 1;       // grey levels that a profile may be off its model
-  double far_off = 30;    // grey levels of the scale of the Cauchy weights, at first
-  double dirt = 8;        // and then
-  double usual_px = 1.6;  // standard deviation of the mask's Gaussian
-  double worth = 2.5;     // of the square of standard deviations, to look closer
-  double clear = 12;      // of twice the logarithm of the likelihood ratio
-  double margin_px = 12;  // around a frame in which sharpening is undone
-  int most_steps = 40;
-  double settled = 2e-4;    // change of the cost
+  double beyond_px = 5;     // pixels of white to either side of the stroke, undone around it
+  double dirt = 8;          // grey levels of the scale of the Cauchy weights
+  double usual_px = 1.6;    // standard deviation of the mask's Gaussian
+  double clear = 12;        // of twice the logarithm of the likelihood ratio
   double doubt = 0.35;      // of what undoing or growth moves; of what stroke and bars differ by
   double thin_stroke = 10;  // pixels, of a stroke that tells by how much edges are moved
-  double most_apart = 0.6;  // pixels between the growth by the stroke and by the bars
 };
 inline constexpr SharpeningTuning kSharpening;
 
@@ -84,8 +73,6 @@ struct CornerTuning {
   // Pixels that edges of shadows beside the sides of a plate and across them may move these by
   // (`./dev bench photos -s 0.1`).
   double in_shadow = 0.12;
-  double bow = 0.012;        // pixels, of a straight side's middle against its ends
-  double bow_blurred = 0.3;  // the same, times (blur / stroke)^2
   // Chi-square by a place, from which on bars or frame are wrong, or of another layout.
   double most_contradiction = 10;
 };
@@ -94,10 +81,8 @@ inline constexpr CornerTuning kCorner;
 // What the sides tell of an unknown lens; chosen by `./dev bench lens`.
 // Why: docs/decisions/0006-lens-and-tone.md.
 struct LensTuning {
-  double clear = 4;          // standard deviations of a lens, and of what a side bows beyond it
-  double most = 0.8;         // of 1, at the farthest corner
-  double most_unseen = 0.4;  // of 1, in the image's corners
-  double shape = 0.04;       // of a bow, at either end: lenses are not quite of the model
+  double most = 0.8;    // of 1, at the farthest corner; in the image's where none is seen
+  double shape = 0.04;  // of a bow, at either end: lenses are not quite of the model
 };
 inline constexpr LensTuning kLens;
 
@@ -105,35 +90,25 @@ inline constexpr LensTuning kLens;
 // photos` on the dark and dirty photos. With strengths of 50 to 90, shares of 0.2 to 0.3 and
 // cosines of 0.7 to 0.9 those read differ by a photo or two.
 struct BarRegionTuning {
-  int least_tile = 200;           // strength of one tile: 6 grey levels from pixel to pixel
-  float least_strength = 70;      // of a tile among its neighbours: 2 grey levels
-  float least_share = 0.2F;       // of the gradients' strength that is of one direction
-  unsigned least_row = 4;         // tiles of seven in the gradients' direction that share it
-  std::size_t around = 5;         // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
-  float least_cosine = 0.82F;     // of twice the angle between neighbours: 17 degrees
-  std::size_t most_joined = 12;   // of the largest regions, in pairs
-  double least_length = 40;       // pixels: 95 modules of half a pixel, less what is left out
-  double least_proportion = 0.5;  // length by height
-  double least_filled = 0.35;     // share of the rectangle's tiles that show bars
-  double near_border = 0.08;      // of the length: the symbol may go on beyond the image
-  double middle = 0.6;            // of the region: bars, not the frame's sides
-  double least_step = 2;          // grey levels from place to place along the symbol
-  double least_ratio = 2;         // of that to the same along the bars
+  int least_tile = 200;        // strength of one tile: 6 grey levels from pixel to pixel
+  float least_strength = 70;   // of a tile among its neighbours: 2 grey levels
+  float least_share = 0.2F;    // of the gradients' strength that is of one direction
+  unsigned least_row = 4;      // tiles of seven in the gradients' direction that share it
+  std::size_t around = 5;      // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
+  float least_cosine = 0.82F;  // of twice the angle between neighbours: 17 degrees
+  double least_length = 40;    // pixels: 95 modules of half a pixel, less what is left out
 };
 inline constexpr BarRegionTuning kBarRegion;
 
 // A frame whose sides do not show as a whole, found around bars by scan lines outwards from them.
 struct FrameAroundTuning {
-  int scan_lines = 28;         // for each side
-  float least_share = 0.35F;   // of a scan line's steepest fall
-  double least_shown = 0.5;    // of the scan lines that must fall on a side
+  int scan_lines = 28;         // for each side; slopes to both sides
   double of_best = 0.75;       // of those that fall on the line which shows best
   std::size_t most_lines = 4;  // above and below the bars, tried in pairs
-  std::size_t slopes = 24;     // to both sides
   double most_slope = 0.8;     // of a plate seen and turned obliquely
   std::size_t apart = 4;       // pixels between two lines
   // From the bars' middle: of their height beyond their ends, of their length beside them.
-  double beyond = 1.8;
+  double beyond = 2;
 };
 inline constexpr FrameAroundTuning kFrameAround;
 

@@ -9,10 +9,14 @@
 #include <vector>
 
 #include "decoder/reader/tuning.hpp"
+#include "tagsmith/base/normal.hpp"
 #include "tagsmith/base/quantile.hpp"
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {
+
+constexpr double kModelVariance = kProfile.model_error * kProfile.model_error;
 
 // A quantity over the frame, bilinear between its corners.
 double bilinear(const std::array<double, 4>& at, double u, double v) {
@@ -124,16 +128,15 @@ double pixel_variance(const DarkRows& rows, const std::vector<BinConsensus>& con
       squares.push_back(static_cast<float>(off * off * static_cast<double>(cell.count)));
     }
   }
-  if (squares.empty()) return kProfile.least_variance;
-  return std::max(kProfile.least_variance,
-                  static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
+  if (squares.empty()) return kModelVariance;
+  return std::max(kModelVariance, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
 }
 
 // Whether a cell is as near what the rows agree on as noise and shading allow.
 bool agrees(const BinConsensus& with, const RowCell& cell, double variance) {
   const double beyond =
       distance_from(with, cell) - kProfile.shading - kProfile.slanted * with.steepest;
-  return beyond <= 0 || beyond * beyond <= kProfile.sigmas * kProfile.sigmas * variance /
+  return beyond <= 0 || beyond * beyond <= kBeyondNoise * kBeyondNoise * variance /
                                                static_cast<double>(cell.count);
 }
 
@@ -172,13 +175,12 @@ class CellStates {
                    const std::vector<BinConsensus>& consensus, int per_module) {
     const auto bin = [&](std::size_t k) { return consensus[odd[k]].bin; };
     for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
-      if (k < odd.size() &&
-          static_cast<double>(bin(k) - bin(k - 1)) <= kProfile.widest * per_module) {
+      if (k < odd.size() && static_cast<double>(bin(k) - bin(k - 1)) <= kNearModules * per_module) {
         continue;
       }
       const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));
       if (run >= kProfile.least_run * per_module &&
-          static_cast<double>(k - begin) >= kProfile.least_odd * run) {
+          static_cast<double>(k - begin) >= kProfile.least_used * run) {
         // A pixel's width of the occluder's outline belongs to it too.
         const std::size_t first = odd[begin] - (odd[begin] > 0 ? 1 : 0);
         const std::size_t last = std::min(odd[k - 1] + 1, size_ - 1);
@@ -255,7 +257,7 @@ class Modulation {
 // clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
 // other way round, the clear cells are the occluder.
 std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_module) {
-  const std::size_t reach = kProfile.window * static_cast<std::size_t>(per_module);
+  const std::size_t reach = static_cast<std::size_t>(kNearModules * per_module);
   std::vector<bool> certain(sums.size());
   Modulation clear, covered;
   const auto count = [&](const BinSums& bin, double sign) {
@@ -273,7 +275,6 @@ std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_modul
 
 ScanBin bin_of(const SymbolRows& symbol, const BinConsensus& at, const BinSums& sums, bool certain,
                double variance) {
-  constexpr double kModelVariance = kProfile.model_error * kProfile.model_error;
   const PixelSums& used = certain ? sums.clear : sums.even;
   const double odd = certain ? sums.odd_outside : sums.odd;
   const double seen = sums.even.count + sums.odd;

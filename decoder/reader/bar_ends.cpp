@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -145,10 +146,7 @@ float level_of(const Pattern& pattern, const WindowRow& row, float white) {
   return (mean * row.white / white - pattern.black) / (pattern.white - pattern.black);
 }
 
-bool has_contrast(const Pattern& pattern) {
-  return static_cast<double>(pattern.white - pattern.black) >
-         kSymbolFit.least_contrast * static_cast<double>(pattern.white);
-}
+bool has_contrast(const Pattern& pattern) { return pattern.white > pattern.black; }
 
 // Where a window's bars end between two heights; nothing where that does not show.
 std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, double from,
@@ -157,7 +155,7 @@ std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, do
   if (!has_contrast(pattern)) return std::nullopt;
   const double u = symbol.middle_of(window);
   const double pixels = std::abs(to - from) * symbol.pixels_per_v(u, (from + to) / 2);
-  const int steps = std::clamp(static_cast<int>(pixels / kBarEnds.step_px), 4, 400);
+  const int steps = std::clamp(static_cast<int>(pixels), 4, 400);
   const double step = (to - from) / steps;
   const double step_px = pixels / steps;
   std::optional<double> end;
@@ -178,7 +176,7 @@ std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, do
     const float level = level_of(pattern, row, white);
     // Something dark in front cuts the bars off before they end.
     if (end && level < kBarEnds.dark) return std::nullopt;
-    if (end && share < static_cast<double>(kBarEnds.hardly_any) && level > kBarEnds.white) {
+    if (end && share < static_cast<double>(kBarEnds.dark) && level > kHalfShown) {
       white_px += step_px;
       if (white_px >= kBarEnds.beyond_px) return end;
     }
@@ -203,7 +201,7 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
       std::vector<WindowEnd> near;
       for (const WindowEnd& end : ends) {
         const double off = end.v - ends[i].v - slope * (end.u - ends[i].u);
-        if (std::abs(off) * pixels_per_v < kBarEnds.line_px) near.push_back(end);
+        if (std::abs(off) * pixels_per_v < kSide.tolerance) near.push_back(end);
       }
       if (near.size() > best.size()) best = std::move(near);
     }
@@ -258,7 +256,7 @@ BothEnds find_both_ends(const GrayView& image, const BarField& field) {
 }
 
 double ends_tolerance_px(const Quad& corners) {
-  return kBarEnds.tolerance_px + kBarEnds.tolerance * height_of(corners);
+  return kBarEnds.tolerance_px + 2 * kBarEnds.layout * height_of(corners);
 }
 
 bool bars_end_near(const GrayView& image, const BarField& field) {
@@ -322,8 +320,8 @@ bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
     const double end = ends.at(u);
     const double pixels = std::abs(side - end) * symbol.pixels_per_v(u, (side + end) / 2);
     const float white = symbol.row(window, end).white;
-    const int steps = static_cast<int>(pixels / kBarEnds.step_px);
-    const int margin = static_cast<int>(kBarEnds.beyond_px / kBarEnds.step_px);
+    const int steps = static_cast<int>(pixels);
+    const int margin = static_cast<int>(kBarEnds.beyond_px);
     for (int k = margin; k < steps - margin; ++k) {
       const double v = end + (side - end) * k / steps;
       if (static_cast<double>(level_of(pattern, symbol.row(window, v), white)) > kHalfShown)

@@ -182,7 +182,7 @@ LineFrame line_frame_for(SampledLight& light, const BarRegion& region) {
       inside(light.image(), region.centre, region.across, region.length * (0.5 + kBarLines.beyond));
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
-  frame.along = turned(frame.along, lean_of(light, frame, kBarLines.thickness * region.height));
+  frame.along = turned(frame.along, lean_of(light, frame, region.height));
   return frame;
 }
 
@@ -198,13 +198,15 @@ ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset,
 
 namespace {
 
-// How often a line turns dark.
+// How often a line turns dark; it may be off by what is not odd yet.
 int count_of_bars(const std::vector<float>& darkness) {
   int bars = 0;
-  bool dark = false;
+  bool was_dark = false;
   for (const float at : darkness) {
-    if (!dark && at > kBarLines.dark) ++bars;
-    if (at > kBarLines.dark || at < kBarLines.bright) dark = at > kBarLines.dark;
+    const double limit = 0.5 + (was_dark ? -kProfile.odd : kProfile.odd) / 2;
+    const bool is_dark = static_cast<double>(at) > limit;
+    if (is_dark && !was_dark) ++bars;
+    was_dark = is_dark;
   }
   return bars;
 }
@@ -222,8 +224,7 @@ bool has_bars(SampledLight& light, const BarRegion& region) {
   return std::ranges::any_of(std::array{-0.1, 0.1, 0.3}, [&](double share) {
     const ScanLine line =
         light_along(light, frame, share * region.height, std::min(12.0, region.height / 8));
-    const int bars = count_of_bars(local_darkness(line, line.size() / 10));
-    return bars >= kBarLines.least_bars && bars <= kBarLines.most_bars;
+    return count_of_bars(local_darkness(line, line.size() / 10)) >= kBarLines.least_bars;
   });
 }
 

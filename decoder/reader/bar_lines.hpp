@@ -32,8 +32,8 @@ LineFrame line_frame_for(SampledLight& light, const BarRegion& region);
 // length.
 ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset, double thickness);
 
-// Whether one of three lines across a region changes between dark and bright about as often as a
-// symbol does of which at least half shows: a quick look.
+// Whether one of three lines across a region shows as many bars as a third of a symbol has: a
+// quick look.
 bool has_bars(SampledLight& light, const BarRegion& region);
 
 }  // namespace tagsmith::detail

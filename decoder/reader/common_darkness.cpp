@@ -8,6 +8,7 @@
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/quantile.hpp"
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -82,7 +83,7 @@ void find_slopes(const SymbolRows& rows, CommonDarkness& common) {
 
 RowStretches::RowStretches(const SymbolRows& rows, const CommonDarkness& common, AddedLight added) {
   stride_ = static_cast<std::size_t>(rows.bins_per_module);
-  reach_ = kProfile.stretch * stride_;
+  reach_ = kNearModules * stride_;
   per_row_ = (rows.bins + stride_ - 1) / stride_;
   for (std::size_t row = 0; row < rows.rows; ++row) fit_row(rows, common, added, row);
   std::vector<float> contrasts, variances;
@@ -176,7 +177,8 @@ Agreed agree(std::vector<Vote>& votes, std::size_t rows) {
   float sum = 0, odd = 0;
   std::size_t used = 0;
   for (const Vote& vote : votes) {
-    if (std::abs(vote.darkness - middle) > kProfile.odd + 3 / std::sqrt(vote.weight)) {
+    if (std::abs(vote.darkness - middle) >
+        static_cast<float>(kProfile.odd) + 3 / std::sqrt(vote.weight)) {
       odd += vote.weight;
       continue;
     }
@@ -274,7 +276,7 @@ struct LocalDarkness {
 LocalDarkness local_darkness_of(const Band& band, std::size_t per_module) {
   const std::size_t bins = band.count.size();
   LocalDarkness local{std::vector<Vote>(bins), std::vector<float>(bins)};
-  const auto levels = levels_near(band.light, kProfile.stretch, per_module);
+  const auto levels = levels_near(band.light, kNearModules, per_module);
   for (std::size_t bin = 0; bin < bins; ++bin) {
     if (!band.light.known[bin]) continue;
     const float contrast = levels[bin].high - levels[bin].low;
@@ -320,7 +322,7 @@ void anchor(std::vector<Agreed>& agreed, std::size_t per_module) {
     values.value.push_back(at.darkness);
     values.known.push_back(at.weight > 0);
   }
-  const auto levels = levels_near(values, kProfile.anchor, per_module);
+  const auto levels = levels_near(values, 2 * kNearModules, per_module);
   for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
     if (agreed[bin].weight == 0) continue;
     const float contrast = std::max(levels[bin].high - levels[bin].low, 0.1F);
@@ -341,7 +343,7 @@ void take_over(const SymbolRows& rows, const std::vector<Agreed>& agreed, Common
 
 SettledRows settle(const SymbolRows& rows, AddedLight added) {
   SettledRows settled{{}, first_guess(rows)};
-  for (int round = 0; round < kProfile.rounds; ++round) {
+  for (int round = 0; round < kDecode.rounds; ++round) {
     const RowStretches stretches(rows, settled.common, added);
     settled.agreed = agree_on_all(rows, stretches, settled.common);
     anchor(settled.agreed, static_cast<std::size_t>(rows.bins_per_module));

@@ -98,7 +98,7 @@ void Detector::look_at(const RoughFrame& proposed) {
     settled = fit_frame_coarsely(level.image, rough, {}, typical_.frame);
   if (!settled) return pass_over(to_full(level, rough), settled.error());
   const Quad quad = to_full(level, settled->corners);
-  if (found_.is_read(quad) || found_.was_proposed(Source::outline, quad, 0.4)) return;
+  if (found_.is_read(quad) || found_.was_proposed(Source::outline, quad)) return;
   show_as_stored(quad);
   const FrameResult<RefinedFrame> frame =
       refine_frame(image_, quad, lens_for(level, *settled), typical_.frame);
@@ -209,7 +209,7 @@ void Detector::look_at(const BarRegion& region) {
     const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
     if (!rough) continue;
     if (found_.is_read(rough->corners)) return;
-    if (found_.was_proposed(Source::completed, rough->corners, kSearch.same_completed)) continue;
+    if (found_.was_proposed(Source::completed, rough->corners)) continue;
     found_.keep({.source = Source::completed, .rough = rough->corners});
     const auto symbol = better_hypothesis(image_, *rough, options_);
     if (!symbol || symbol->decoding.fit.explained < kJudge.like_symbol) continue;

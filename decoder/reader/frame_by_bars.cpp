@@ -16,6 +16,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -61,7 +62,7 @@ std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayou
       line_through(crossing(bars, block, -quiet, half), crossing(bars, block, -quiet, -half));
   framed.sides[1] = line_through(crossing(bars, block, kModuleCount + quiet, -half),
                                  crossing(bars, block, kModuleCount + quiet, half));
-  framed.sigma_px[1] = framed.sigma_px[3] = kBarEnds.hidden_sigma * framed.module_px;
+  framed.sigma_px[1] = framed.sigma_px[3] = kImaging.edge * framed.module_px;
   return framed;
 }
 
@@ -91,11 +92,10 @@ void look_for_ends(const GrayView& image, const LocatedBars& bars, const SymbolL
   const BarField field{
       {crossing(bars, framed.block, 0, -half), crossing(bars, framed.block, kModuleCount, -half),
        crossing(bars, framed.block, kModuleCount, half), crossing(bars, framed.block, 0, half)}};
-  const auto upper =
-      find_bar_ends(image, field, kBarEnds.followed_inside, -kBarEnds.followed_outside);
+  const auto upper = find_bar_ends(image, field, kBarEnds.outside, -kBarEnds.followed_outside);
   if (!upper) return;
   const auto lower =
-      find_bar_ends(image, field, 1 - kBarEnds.followed_inside, 1 + kBarEnds.followed_outside);
+      find_bar_ends(image, field, 1 - kBarEnds.outside, 1 + kBarEnds.followed_outside);
   if (lower) add_sides_by_ends(field, *upper, *lower, layout, framed);
 }
 
@@ -208,7 +208,7 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   FramedBars in_full{.shape = layout.frame};
   in_full.sides[3] = line_through(expected[3], expected[0]);
   in_full.sides[1] = line_through(expected[1], expected[2]);
-  in_full.sigma_px[1] = in_full.sigma_px[3] = kBarEnds.hidden_sigma * module_px;
+  in_full.sigma_px[1] = in_full.sigma_px[3] = kImaging.edge * module_px;
   const BarField field = bar_field(expected, layout, lens.known.value_or(LensDistortion{}));
   const BothEnds ends = find_both_ends(image, field);
   Quad rough = expected;

@@ -16,6 +16,7 @@
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 #include "decoder/scan/running.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -91,8 +92,8 @@ ScanProfile merged_profile(const std::vector<ReadLine>& lines) {
     const double doubt = std::min(1.0, 2 * (1 - agreement));
     profile.push_back(
         {(static_cast<double>(b) + 0.5) / kBinsPerModule - kProfile.beyond, sum / count,
-         kFrameless.line_variance / count + kFrameless.model_error * kFrameless.model_error +
-             doubt * doubt * doubt * doubt,
+         static_cast<double>(kElastic.variance) / count +
+             kProfile.model_error * kProfile.model_error + doubt * doubt * doubt * doubt,
          agreement});
   }
   return profile;
@@ -207,7 +208,7 @@ CodeConsensus consensus_of(const Evidence& evidence, const DecodeOptions& option
     }
   }
   const double own = std::exp(-codes.cost);
-  const double rivals = (codes.mass - own) / own + kFrameless.invalid * code_count / kAllSymbols *
+  const double rivals = (codes.mass - own) / own + kOdds.wrong_check * code_count / kAllSymbols *
                                                        (mass_of_all_codes(evidence) - own) / own;
   return {codes.best, 1 / (1 + std::max(0.0, rivals))};
 }
@@ -225,7 +226,7 @@ std::optional<RejectionReason> objection_to(const FramelessReading& symbol,
   const Decoding& decoding = symbol.decoding;
   using enum RejectionReason;
   if (decoding.guards < kJudge.guards) return guard_pattern;
-  if (decoding.fit.explained < kJudge.explained || decoding.worst_digit < kFrameless.digit) {
+  if (decoding.fit.explained < kJudge.explained || decoding.worst_digit < kDecode.hopeless) {
     return element_widths;
   }
   if (std::abs(decoding.fit.image.growth) > kJudge.most_growth) return growth;

@@ -112,6 +112,15 @@ bool is_symbol_like(const SymbolHypothesis& symbol) {
          symbol.decoding.guards > kJudge.like_symbol;
 }
 
+bool may_be_symbol(const SymbolHypothesis& symbol) {
+  constexpr double kHalfExplained = 0.5;  // what glare leaves of a tag, and hardly a wall shows
+  const Decoding& decoding = symbol.decoding;
+  const ImagingModel& image = decoding.fit.image;
+  const bool is_like_one =
+      decoding.fit.explained > kHalfExplained || decoding.guards > kJudge.like_symbol;
+  return is_symbol_like(symbol) || (is_like_one && image.black - image.white > kProfile.odd);
+}
+
 std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const RefinedFrame& frame,
                                                  const ReadOptions& options) {
   ReadOptions alone;

@@ -9,6 +9,7 @@
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/region_scan.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -19,7 +20,7 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
   constexpr double kUnit = 100;  // pixels: conditions the equations
   LocatedBars bars;
   bars.centre = centre;
-  for (int round = 0; round < kBarLines.rounds; ++round) {
+  for (int round = 0; round < kDecode.rounds; ++round) {
     Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
     Eigen::Matrix<double, 5, 1> right = Eigen::Matrix<double, 5, 1>::Zero();
     for (const ReadLine& line : scan.lines) {
@@ -50,11 +51,7 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
 
 std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region) {
   const LineFrame frame = line_frame_for(image, region);
-  constexpr FirstLineLimits kLimits{.least_module = kBarLines.least_module,
-                                    .greatest_module = kBarLines.greatest_module,
-                                    .worst_place = kBarLines.worst_place,
-                                    .worst_cost = kBarLines.worst_cost};
-  auto first = first_line(image, frame, region, Wanted::alignment, kLimits);
+  auto first = first_line(image, frame, region, Wanted::alignment);
   if (!first) return std::nullopt;
   const auto& boundaries = first->reading.alignment.boundaries;
   const double middle = (boundaries.front() + boundaries.back()) / 2;

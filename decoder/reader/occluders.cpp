@@ -153,7 +153,7 @@ bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, co
 
 void add_strips(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
                 double contrast, std::vector<Occluder>& strips) {
-  const std::vector<Crossing> crossings = crossings_of(loop, kOccluder.odd * contrast);
+  const std::vector<Crossing> crossings = crossings_of(loop, kProfile.odd * contrast);
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const Crossing& a = crossings[i];
     if (a.count >= kPerSide / 6) {
@@ -165,14 +165,14 @@ void add_strips(const GrayView& image, const FrameHomography& image_from_frame, 
     for (std::size_t j = i + 1; j < crossings.size(); ++j) {
       const Crossing& b = crossings[j];
       if (same_side(loop, a, b)) continue;
-      if (!is_plain(image, image_from_frame, loop, a, b, kOccluder.odd * contrast)) continue;
+      if (!is_plain(image, image_from_frame, loop, a, b, kProfile.odd * contrast)) continue;
       strips.push_back(strip_between(loop, a, b));
     }
   }
 }
 
 constexpr int kPlacesPerModule = 2;
-constexpr int kWidest = 4 * kPlacesPerModule;  // places of the widest element
+constexpr int kWidest = kWidestElement * kPlacesPerModule;  // places
 
 // Places along the symbol, in the unit square, every half module and a little beyond the bars.
 std::vector<double> places_along(const SymbolLayout& layout) {
@@ -223,7 +223,7 @@ double oddness(const Row& row, double level, double one, double other) {
 // From which oddness on a place counts, as a share of the contrast. In ink less would be noise; two
 // modules of white show more, as long as bars of one module can be told.
 double odd_from(const Row& row) {
-  return row.beside == Beside::stroke ? kOccluder.odd_in_ink : kOccluder.odd;
+  return row.beside == Beside::stroke ? kOccluder.odd_in_ink : kProfile.odd;
 }
 
 bool is_clear(const Row& row) {
@@ -236,7 +236,7 @@ bool is_clear(const Row& row) {
 // By how much a place of a row is not what it is around: neither like one side of it nor like the
 // other nor between. A shadow goes on to one side, and its edge is between light and shadow.
 double oddness_at(const Row& row, int place) {
-  constexpr int kAround = kOccluder.around * kPlacesPerModule;
+  constexpr int kAround = 2 * kNearModules * kPlacesPerModule;
   const double share = row.beside == Beside::stroke ? 0.15 : 0.7;
   const int size = static_cast<int>(row.level.size());
   const auto level_of = [&](int first, int end) {
@@ -291,7 +291,7 @@ bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_s
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {
   const bool over_ink = above.beside == Beside::stroke;
-  const double tolerance = (over_ink ? kOccluder.odd / 2 : kOccluder.odd) * above.contrast;
+  const double tolerance = (over_ink ? kProfile.odd / 2 : kProfile.odd) * above.contrast;
   const int broad = std::max(begin.count, end.count);
   const int lines = 1 + std::max(0, broad - 2 * kWidest) / kPlacesPerModule;
   for (int line = 0; line < lines; ++line) {

@@ -94,7 +94,7 @@ void PartSearch::read_covered(const GrayView& image, const RefinedFrame& frame,
                               const IsRead& is_read) {
   const PixelPoint centre = centre_of(frame.corners);
   const auto same = [&](const Quad& other) {
-    return nearly_equal(other, frame.corners, kSearch.same_completed);
+    return nearly_equal(other, frame.corners, kSearch.same_px);
   };
   if (options_.code_book.empty() || is_read(centre) || has_part_at(centre)) return;
   if (std::ranges::any_of(covered_, same)) return;

@@ -13,6 +13,7 @@
 #include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/half_size.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -111,8 +112,8 @@ TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& 
   for (const BarRegion& in_full : regions) {
     const BarRegion region = scaled(in_full, 1 / at.level.scale);
     if (at.level.scale == 1 && region.length > kSearch.largest_frame) continue;
-    const PixelPoint right = (kSearch.around * region.length / 2 + 2 * kTile) * region.across;
-    const PixelPoint down = (kSearch.around * region.height / 2 + 2 * kTile) * region.along();
+    const PixelPoint right = (kFrameAround.beyond * region.length / 2 + 2 * kTile) * region.across;
+    const PixelPoint down = (kFrameAround.beyond * region.height / 2 + 2 * kTile) * region.along();
     const PixelPoint& c = region.centre;
     const Quad around{c - right - down, c + right - down, c + right + down, c - right + down};
     for (int row = 0; row < mask.rows; ++row) {
@@ -127,7 +128,7 @@ TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& 
 // A frame around bars, in pixels of the full image, as a level shows it.
 void propose_frame_around(SearchContext& search, const PyramidLevel& level, const BarRegion& bars) {
   const BarRegion region = scaled(bars, 1 / level.scale);
-  if (!is_symbol_like(level.image, region)) return;
+  if (!has_bars(search.picture.light, bars)) return;
   search.symbols.push_back(bars);
   if (const auto quad = frame_around(level.image, region)) search.propose(Outline{level, *quad});
 }
@@ -141,13 +142,6 @@ void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
     if (search.found.has_read_any() && runs_off(coarse.level.image, found)) continue;
     propose_frame_around(search, fine, scaled(found, coarse.level.scale));
   }
-}
-
-// Whether the bars of a region can be followed: they are wholly in the image, of about a pixel a
-// module or more, and change as often as a symbol's.
-bool may_be_followed(SearchedImage& picture, const BarRegion& region) {
-  return region.length >= kSearch.least_length && !runs_off(picture.image(), region) &&
-         has_bars(picture.light, region);
 }
 
 // Whether the whole picture is to be searched.
@@ -235,20 +229,18 @@ void propose_refused(SearchContext& search) {
 void propose_bars(SearchContext& search) {
   SearchedImage& picture = search.picture;
   const bool everywhere = !search.found.has_read_any() || search.found.has_met_covers();
-  const PyramidLevel& half = picture.pyramid().scaled_down(2).level;
   std::ranges::stable_sort(search.symbols, std::ranges::greater{}, &BarRegion::length);
   std::vector<BarRegion> proposed;
   for (const BarRegion& region : everywhere ? picture.bars() : search.symbols) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
     if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
-        (!everywhere && search.found.was_looked_at(region)) ||
-        !is_symbol_like(half.image, scaled(region, 1 / half.scale)) ||
-        !may_be_followed(picture, region)) {
+        (!everywhere && search.found.was_looked_at(region)) || runs_off(picture.image(), region) ||
+        !has_bars(picture.light, region)) {
       continue;
     }
     search.propose(region);
     proposed.push_back(region);
-    if (proposed.size() == (everywhere ? kSearch.most_bars : 1)) break;
+    if (proposed.size() == (everywhere ? kSearch.most_tries : 1)) break;
   }
 }
 

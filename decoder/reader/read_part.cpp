@@ -181,9 +181,7 @@ std::vector<double> likely_lengths(const SymbolProfile& profile, const SymbolLay
   std::ranges::stable_sort(by_guards, std::ranges::greater{}, &std::pair<double, double>::first);
   std::vector<double> lengths;
   for (const auto& [guards, by] : by_guards) {
-    if (guards >= kJudge.like_symbol && lengths.size() < kPart.most_lengths) {
-      lengths.push_back(by);
-    }
+    if (guards >= kJudge.like_symbol) lengths.push_back(by);
   }
   return lengths;
 }

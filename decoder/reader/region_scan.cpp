@@ -83,23 +83,22 @@ bool is_inside(const SampledLight& image, PixelPoint at) {
 }  // namespace
 
 std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
-                                   const BarRegion& region, Wanted wanted,
-                                   const FirstLineLimits& limits) {
+                                   const BarRegion& region, Wanted wanted) {
   const double nominal_module = region.length / kModuleCount / frame.step;
   std::vector<ReadLine> lines;
   std::vector<FirstPlace> places;
   for (const double share : {0.0, -0.25, 0.25}) {
     const double offset = share * region.height;
     lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
-    for (const SymbolPlace& place : find_symbol_places(
-             lines.back().light, limits.least_module * nominal_module,
-             limits.greatest_module * nominal_module, kBarLines.most_places, limits.worst_place)) {
+    for (const SymbolPlace& place :
+         find_symbol_places(lines.back().light, kBarLines.least_module * nominal_module,
+                            kBarLines.greatest_module * nominal_module, kBarLines.most_places)) {
       places.push_back({lines.size() - 1, place});
     }
   }
   std::ranges::stable_sort(places, {}, [](const FirstPlace& p) { return p.place.cost; });
   if (places.size() > kBarLines.most_places) places.resize(kBarLines.most_places);
-  double best = limits.worst_cost;
+  double best = kBarLines.worst_cost;
   std::optional<FirstPlace> found;
   for (const auto& [line, place] : places) {
     const double end = place.begin + kModuleCount * place.module;

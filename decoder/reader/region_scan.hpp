@@ -37,14 +37,6 @@ struct RegionScan {
   std::vector<ReadLine> lines;
 };
 
-// How little like a symbol of the region's size the first line may be.
-struct FirstLineLimits {
-  double least_module = 0.5;  // of what the region's length says
-  double greatest_module = 1.8;
-  double worst_place = kPlace.worst;
-  double worst_cost = 4;  // per module; a blurred symbol's
-};
-
 // What is wanted of a line: where its symbol lies, or its digits too, which takes twice as long.
 enum class Wanted { alignment, digits };
 
@@ -57,8 +49,7 @@ SymbolPlace place_of(const ElasticAlignment& alignment);
 // The line to start from, of three thick ones, and its reading: the best of the places whose guard
 // patterns suit best, in either direction. Nothing where none is like a symbol.
 std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
-                                   const BarRegion& region, Wanted wanted,
-                                   const FirstLineLimits& limits = {});
+                                   const BarRegion& region, Wanted wanted);
 
 // Reads some lines of the region (kBarLines.lines) from the first one outwards, each where its
 // neighbour was, by the look of the bars that suits the first one best.

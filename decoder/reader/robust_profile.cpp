@@ -67,7 +67,7 @@ ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed
       profile.push_back({place, 0.5, kHiddenVariance, 1});
       continue;
     }
-    const float few = kProfile.few_rows * (1 - at.shown) * (1 - at.shown);
+    const float few = static_cast<float>(kProfile.shading) * (1 - at.shown) * (1 - at.shown);
     const float doubt = std::min(1.0F, 2 * at.doubt);
     const float variance = 1 / at.weight + kProfile.model_error * kProfile.model_error + few * few +
                            doubt * doubt * doubt * doubt;

@@ -160,9 +160,8 @@ BlackGrowth growth_of(const SymbolHypothesis& symbol) {
   const BlackGrowth of_bars = growth_of_bars(symbol.decoding, symbol.profile.module_px);
   if (!symbol.frame.was_sharpened) return of_bars;
   std::vector<double> by_strokes = stroke_growths(symbol);
-  std::erase_if(by_strokes, [&](double growth) {
-    return std::abs(growth - of_bars.px) > kSharpening.most_apart;
-  });
+  std::erase_if(by_strokes,
+                [&](double growth) { return std::abs(growth - of_bars.px) > kSide.tolerance; });
   const auto count = static_cast<double>(by_strokes.size());
   if (count == 0) return of_bars;
   double mean = 0, squares = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "decoder/reader/judge.hpp"
+#include "decoder/reader/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -20,7 +21,8 @@ bool same_frame(const Quad& a, const Quad& b) {
 // Outlines that are no feature frame of ours are told apart from what was refused.
 bool is_passed_over(const Rejection& rejection) {
   return rejection.reason == RejectionReason::frame_fault ||
-         rejection.reason == RejectionReason::no_guards;
+         rejection.reason == RejectionReason::no_guards ||
+         (rejection.symbol && !may_be_symbol(*rejection.symbol));
 }
 
 }  // namespace
@@ -56,10 +58,9 @@ TagHypothesis& TagHypotheses::keep(TagHypothesis hypothesis) {
   return all_.emplace_back(std::move(hypothesis));
 }
 
-bool TagHypotheses::was_proposed(TagHypothesis::Source source, const Quad& rough,
-                                 double pixels) const {
+bool TagHypotheses::was_proposed(TagHypothesis::Source source, const Quad& rough) const {
   return std::ranges::any_of(all_, [&](const TagHypothesis& other) {
-    return other.source == source && nearly_equal(other.rough, rough, pixels);
+    return other.source == source && nearly_equal(other.rough, rough, kSearch.same_px);
   });
 }
 

@@ -61,8 +61,8 @@ class TagHypotheses {
   // stays where their digits are the same; none does where they differ.
   TagHypothesis& keep(TagHypothesis hypothesis);
 
-  // Whether a hypothesis of this source began within so many pixels.
-  bool was_proposed(TagHypothesis::Source source, const Quad& rough, double pixels) const;
+  // Whether a hypothesis of this source began at the same place.
+  bool was_proposed(TagHypothesis::Source source, const Quad& rough) const;
 
   // Whether an outline was fitted to the same frame before.
   bool was_fitted(const RefinedFrame& frame) const;

@@ -11,34 +11,24 @@ namespace tagsmith::detail {
 // named. Why: docs/decisions/0004-occlusion.md.
 struct ProfileTuning {
   // Rows.
-  double row_px = 2.5;     // height of a row, at least: most bins then hold a pixel
-  double ends = 0.07;      // of the bars' height, at each end, not used: blur, corners' error
-  double ends_px = 2;      // of that, at most, where all rows are looked at
-  double beyond = 4;       // modules of quiet zone, at most, on both sides of the bars
-  double most_spread = 4;  // of a place's point spread over that in the middle
+  double row_px = 2.5;  // height of a row, at least: most bins then hold a pixel
+  double ends = 0.07;   // of the bars' height, at each end, not used: blur, corners' error
+  double ends_px = 2;   // of that, at most, where all rows are looked at
+  double beyond = 4;    // modules of quiet zone, at most, on both sides of the bars
   // What rows agree on.
-  float model_error = 0.02F;     // what averaging cannot take away
-  float few_rows = 0.1F;         // error where hardly a row shows
-  float least_shown = 0.05F;     // of the rows
-  double least_used = 0.2;       // of a bin's pixels that agree
-  double shading = 0.1;          // differences along a clean bar
-  double slanted = 0.35;         // of the steepest change: what a slope does not tell of a bend
-  double sigmas = 4;             // of a pixel's noise
-  double least_variance = 1e-4;  // of a pixel: quantisation alone
+  float model_error = 0.02F;  // what averaging cannot take away
+  float least_shown = 0.05F;  // of the rows
+  double least_used = 0.2;    // of a bin's pixels that agree; of a covered stretch's cells, odd
+  double shading = 0.1;       // differences along a clean bar, and the error of a few rows
+  double slanted = 0.35;      // of the steepest change: what a slope does not tell of a bend
   // Stretches of a row that something covers.
-  double widest = 5;        // modules that no element reaches over
-  double least_run = 2;     // modules
-  double least_odd = 0.12;  // of a stretch's cells
-  std::size_t window = 4;   // modules to either side in which covered cells are plain
-  double plainer = 0.4;     // variance of covered cells against that of clear ones
+  double least_run = 2;  // modules
+  double plainer = 0.4;  // variance of covered cells against that of clear ones
   // Rows of their own light, each stretch fitted to what all have in common.
-  std::size_t stretch = 5;        // modules to either side
   float most_variance = 3;        // times the usual one
   float model_variance = 0.006F;  // of the contrast squared: 8 % off anywhere
-  float odd = 0.2F;               // off the median
-  std::size_t anchor = 10;        // modules: the drift is slow, many elements tell the levels
+  double odd = 0.3;               // off the median: more than bars of one module leave of it
   std::size_t bands = 14;         // of rows for a first guess
-  int rounds = 4;
   // Plain windows, in which something hides the bars.
   double showing = 0.93;  // of the rows at a place, the one taken to show bars
   double plain = 0.08;    // of its variance
@@ -51,31 +41,24 @@ inline constexpr ProfileTuning kProfile;
 // Things in front of a plate that cross its white and its black.
 // Why: docs/decisions/0004-occlusion.md.
 struct OccluderTuning {
-  double odd = 0.3;          // of the contrast, in white: more than bars of one module leave of it
-  double odd_in_ink = 0.45;  // the same where only light can be odd; less would be noise
+  double odd_in_ink = 0.45;  // of the contrast, where only light can be odd; less would be noise
   double least_even = 0.85;  // of the places along a strip, as even as that
-  int around = 20;           // modules of a row to either side that tell what it should show
   double most_way = 1.2;     // over the bars' height, of a strip's width
 };
 inline constexpr OccluderTuning kOccluder;
 
 // Where bars end. Why: docs/decisions/0005-hidden-frame-sides.md.
 struct BarEndsTuning {
-  double step_px = 1;
-  std::size_t rows = 9;              // amid the bars, of which each place's middle one counts
-  double beyond_px = 3;              // of white that must follow
-  float hardly_any = 0.3F;           // of the bars' contrast
-  float white = 0.6F, dark = 0.15F;  // between the bars' black and white
-  double line_px = 0.8;              // pixels off the line through the ends
-  double systematic_px = 0.15;       // what neighbouring windows are off by together
-  double inside = 0.2;               // of the frame's height, from where the bars should end
-  double outside = 0.3;
-  double followed_inside = 0.35;  // of the height that bars were followed
+  std::size_t rows = 9;         // amid the bars, of which each place's middle one counts
+  double beyond_px = 3;         // of white that must follow
+  float dark = 0.15F;           // between the bars' black and white; of their contrast
+  double systematic_px = 0.15;  // what neighbouring windows are off by together
+  double inside = 0.2;          // of the frame's height, from where the bars should end
+  double outside = 0.3;         // the same outwards; inwards where bars were followed
   double followed_outside = 0.8;
   double tolerance_px = 1.2;  // of the frame's sides and the bars' ends: blur
-  double tolerance = 0.006;   // of the frame's height: templates round, lenses bend
-  double layout = 0.003;      // of the frame's height, standard deviation
-  double hidden_sigma = 0.2;  // modules, of a side known by the bars beside it
+  double layout = 0.003;      // of the frame's height, standard deviation: templates round,
+                              // lenses bend
   double side = 1.2;          // modules that a side may be off bars that were followed
 };
 inline constexpr BarEndsTuning kBarEnds;
@@ -83,22 +66,19 @@ inline constexpr BarEndsTuning kBarEnds;
 // Bars followed line by line, with a frame or without.
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct BarLinesTuning {
-  int most_rows = 24;                // of a thick line
-  int most_lean = 8;                 // degrees
-  double beyond = 0.5;               // of the region's length, on both sides
-  double thickness = 0.6;            // of the region's height
-  float dark = 0.6F, bright = 0.4F;  // darkness from which an element counts
-  int least_bars = 12;               // of a symbol's 30
-  int most_bars = 34;
+  int least_bars = 10;           // of a symbol's 30, to look closer
+  int most_rows = 24;            // of a thick line
+  int most_lean = 8;             // degrees
+  double beyond = 0.5;           // of the region's length, on both sides
   std::size_t most_places = 10;  // on the first lines
   double good = 1;               // cost per module: no need to look further, and no stray's
   double stray = 2.5;            // times the median cost
   int lines = 10;                // of a region
   double off = 0.5;              // modules: boundaries that are farther off count little
-  int rounds = 6;                // of fits to the boundaries
-  // Bars of covered tags that were read: modules of 0.67 to 1.05 of what their length says, costs
-  // of 0.7 and 1.9 at most (`./dev bench troubled`).
-  double least_module = 0.5, greatest_module = 1.3, worst_place = 0.9, worst_cost = 2.5;
+  // Modules of a first line, of what the region's length says. Those of covered tags that were read
+  // had 0.67 to 1.05, and costs per module of 1.9 at most (`./dev bench troubled`), prints of 18
+  // pixels a module 2.6.
+  double least_module = 0.5, greatest_module = 1.8, worst_cost = 3;
 };
 inline constexpr BarLinesTuning kBarLines;
 
@@ -109,15 +89,12 @@ struct SearchTuning {
   int largest_frame = 240;             // pixels; larger ones are seen at half the size
   int least_part = 16;                 // pixels of the part around an expected tag
   int least_level = 160;               // pixels of the coarsest level
-  double around = 2;                   // times the bars: as far as a frame reaches
-  double least_length = 90;            // pixels of bars that can be followed
-  std::size_t most_bars = 3;           // followed where nothing was read
   // Careful looks, bars followed, and regions read without a frame, in one picture: bounds its
   // time.
   std::size_t most_tries = 6;
   std::size_t most_regions = 24;  // of bars in a picture
   double most_pixels = 2e6;       // of a level in which regions are looked for
-  double same_completed = 1.5;    // pixels between two frames completed alike
+  double same_px = 0.4;           // between two frames that are the same
   double clear_direction = 1.5;   // change along the symbol by that across it
   double sagitta_sigma = 0.25;    // pixels, of a coarse fit
 };
@@ -149,10 +126,9 @@ struct PartTuning {
   double border_px = 3;       // of the level: corners on the border, outlines that are one
   double usual_focal = 1.25;  // of the picture's longer side, where the camera is not known
   // Lengths of the symbol about the likeliest: from one to the next, how many are tried to either
-  // side by their guard patterns with a camera and without, how many of them are decoded.
+  // side by their guard patterns with a camera and without.
   double step = 0.005;
   int steps = 5, steps_unknown = 24;
-  std::size_t most_lengths = 8;
   double bend_sigma = 0.02;  // modules, of the symbol's ends: the sides tell the foreshortening
   double most_alike = 1e-3;  // strangers, a code of the book, whose digits in sight are a code's
 };
@@ -161,14 +137,10 @@ inline constexpr PartTuning kPart;
 // The same without a frame (`./dev bench frameless`).
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct FramelessTuning {
-  double digit = 0.6;
-  double model_error = 0.03;    // of the contrast
-  double together = 0.99;       // confidence by the lines' mean: lines may be wrong in common
-  double line_variance = 0.01;  // of one line: noise, and places off by a tenth module
-  double most_of_a_line = 30;   // what one line can say against a digit: it may be dirty
-  double independent = 3;       // lines: they share blur, print and dirt
-  double invalid = 0.01;        // prior of symbols that are no code
-  double even_parity = 6;       // cost below which digits may be those of an EAN-13
+  double together = 0.99;      // confidence by the lines' mean: lines may be wrong in common
+  double most_of_a_line = 30;  // what one line can say against a digit: it may be dirty
+  double independent = 3;      // lines: they share blur, print and dirt
+  double even_parity = 6;      // cost below which digits may be those of an EAN-13
 };
 inline constexpr FramelessTuning kFrameless;
 

@@ -10,6 +10,7 @@
 #include "decoder/scan/explained.hpp"
 #include "decoder/scan/explanation.hpp"
 #include "decoder/scan/tuning.hpp"
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -107,7 +108,6 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const Decodin
 
 std::optional<Decoding> decode_profile(const ScanProfile& profile, const ImagingModel& start,
                                        const DecodeOptions& options) {
-  if (profile.size() < kDecode.least_places) return std::nullopt;
   if (!shows_guards(profile, start)) return std::nullopt;
   const DecodingStart from(profile, start);
   const PossibleWays ways = possible_ways(profile, from.costs);

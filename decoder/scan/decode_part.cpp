@@ -13,6 +13,7 @@
 #include "decoder/scan/explained.hpp"
 #include "decoder/scan/explanation.hpp"
 #include "decoder/scan/tuning.hpp"
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -166,7 +167,7 @@ struct JudgedPart {
 std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen,
                                      const ImagingModel& image, const DecodeOptions& options) {
   const ScanProfile profile = without_broken_digits(all, seen);
-  if (profile.size() < kDecode.least_places) return std::nullopt;
+  if (profile.empty()) return std::nullopt;
   const std::optional<Explained> explained =
       explain(profile, DecodingStart(profile, image), options);
   if (!explained) return std::nullopt;
@@ -249,7 +250,7 @@ std::optional<PartDecoding> decode_part_upright(const ScanProfile& all, const Im
 
 std::optional<PartDecoding> decode_part(const ScanProfile& profile, const ImagingModel& start,
                                         const DecodeOptions& options) {
-  if (profile.size() < kDecode.least_places || options.code_book.empty()) return std::nullopt;
+  if (options.code_book.empty()) return std::nullopt;
   if (!shows_guards(profile, start)) return std::nullopt;
   const PossibleWays ways = possible_ways(profile, DecodingStart(profile, start).costs);
   std::optional<PartDecoding> best;

@@ -219,11 +219,12 @@ class SegmentCosts {
   PlaceRows best_;
 };
 
-WidthPenalties penalties_for(double sigma) {
+WidthPenalties width_penalties() {
   WidthPenalties table{};
   for (int from = 0; from < kRatios; ++from) {
     for (int to = 0; to < kRatios; ++to) {
-      const double change = static_cast<double>(to - from) / kSamplesPerDigit / sigma;
+      const double change =
+          static_cast<double>(to - from) / kSamplesPerDigit / kElastic.change_sigma;
       const double level =
           static_cast<double>(to - kNominalRatio) / kSamplesPerDigit / kElastic.level_sigma;
       table[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)] =
@@ -233,11 +234,10 @@ WidthPenalties penalties_for(double sigma) {
   return table;
 }
 
-// Local widths change slowly; guard patterns are too short to tell theirs closely.
-const WidthPenalties& change_penalties(int segment) {
-  static const WidthPenalties digits = penalties_for(kElastic.digit_sigma);
-  static const WidthPenalties guards = penalties_for(kElastic.guard_sigma);
-  return is_digit(segment) && is_digit(segment - 1) ? digits : guards;
+// Local widths change slowly.
+const WidthPenalties& change_penalties() {
+  static const WidthPenalties penalties = width_penalties();
+  return penalties;
 }
 
 WidthPenalties transposed(const WidthPenalties& table) {
@@ -249,10 +249,9 @@ WidthPenalties transposed(const WidthPenalties& table) {
 }
 
 // The same by the width after, then the one before.
-const WidthPenalties& penalties_backwards(int segment) {
-  static const WidthPenalties digits = transposed(penalties_for(kElastic.digit_sigma));
-  static const WidthPenalties guards = transposed(penalties_for(kElastic.guard_sigma));
-  return is_digit(segment) && is_digit(segment - 1) ? digits : guards;
+const WidthPenalties& penalties_backwards() {
+  static const WidthPenalties penalties = transposed(width_penalties());
+  return penalties;
 }
 
 // By how many places a segment of a local width moves the next boundary in that one's own window.
@@ -321,7 +320,7 @@ class Chain {
   }
 
  private:
-  static constexpr int kWeighedModules = kModuleCount + 2 * kElastic.quiet;
+  static constexpr int kWeighedModules = kModuleCount + 2 * kNearModules;
 
   // The segments' costs are made from the last one on.
   const SegmentCosts& costs_of(int s) const {
@@ -334,10 +333,10 @@ class Chain {
     PlaceRow row;
     row.fill(kFarCost);
     const int first =
-        (kPlacedMargin + module - kSlack - (module == 0 ? kElastic.quiet : 0)) * kPlacedPerModule;
+        (kPlacedMargin + module - kSlack - (module == 0 ? kNearModules : 0)) * kPlacedPerModule;
     for (int place = 0; place < kPlaces; ++place) {
       float sum = 0;
-      for (int i = first + place; i < first + place + kElastic.quiet * kPlacedPerModule; ++i) {
+      for (int i = first + place; i < first + place + kNearModules * kPlacedPerModule; ++i) {
         const float dark = std::clamp(line_.samples()[static_cast<std::size_t>(i)], 0.0F, 1.0F);
         sum += dark * dark;
       }
@@ -357,7 +356,7 @@ class Chain {
         with_segment[r][place] += remain[r][place];
       }
     }
-    return least_onwards(with_segment, change_penalties(s));
+    return least_onwards(with_segment, change_penalties());
   }
 
   // For each segment: least cost of all before it, by the place where it begins and its local
@@ -371,7 +370,7 @@ class Chain {
         for (std::size_t i = 0; i < kPlaceRow; ++i) row[i] += costs_of(s).best()[r][i];
         exit[r] = moved(row, shift_of(s, r));
       }
-      entry.push_back(least_onwards(exit, penalties_backwards(s + 1)));
+      entry.push_back(least_onwards(exit, penalties_backwards()));
     }
     return entry;
   }
@@ -416,7 +415,7 @@ class Chain {
     std::array<std::size_t, 2> best{place, kNominalRatio};
     float least = kFarCost;
     for (std::size_t to = 0; to < kWidthCount; ++to) {
-      const float cost = change_penalties(s)[before[1]][to] + costs_of(s).best()[to][place] +
+      const float cost = change_penalties()[before[1]][to] + costs_of(s).best()[to][place] +
                          remain_[static_cast<std::size_t>(s)][to][place];
       if (cost >= least) continue;
       least = cost;

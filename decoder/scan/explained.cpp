@@ -77,7 +77,7 @@ double guards_in(const ScanProfile& profile, const ImagingModel& image) {
 
 bool shows_guards(const ScanProfile& profile, ImagingModel image) {
   if (guards_in(profile, image) >= kDecode.least_guards) return true;
-  image.blur *= std::exp(kSymbolFit.prior_sigma.log_blur);
+  image.blur *= std::exp(kImaging.log_blur);
   return guards_in(profile, image) >= kDecode.least_guards;
 }
 

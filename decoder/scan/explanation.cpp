@@ -11,6 +11,7 @@
 
 #include "decoder/scan/explained.hpp"
 #include "decoder/scan/tuning.hpp"
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 
@@ -62,7 +63,7 @@ std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& st
     from.blur = blur;
     decoding.fit = fit_symbol(profile, decoding.digits, from);
     const ImagingModel& image = decoding.fit.image;
-    if (!(image.black - image.white > kSymbolFit.least_contrast)) return std::nullopt;
+    if (!(image.black > image.white)) return std::nullopt;
     blur = image.blur;
     ModuleLight light(profile, image);
     ModuleNormalEquations system(profile, light);
@@ -117,8 +118,8 @@ VarianceFactors variance_factors_of(const std::array<float, kModuleCount>& misfi
   for (int k = 0; k < kModuleCount; ++k) {
     double weight = kDecode.noise_prior;
     double total = kDecode.noise_prior * factors.common;
-    for (int near = std::max(0, k - kDecode.noise_reach);
-         near <= std::min(kModuleCount - 1, k + kDecode.noise_reach); ++near) {
+    for (int near = std::max(0, k - kNearModules);
+         near <= std::min(kModuleCount - 1, k + kNearModules); ++near) {
       if (!shown[static_cast<std::size_t>(near)]) continue;
       total += static_cast<double>(misfits[static_cast<std::size_t>(near)]);
       weight += 1;

@@ -76,9 +76,9 @@ NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
 
 // Holds the parameters near nominal; `off`: how far they are from there.
 void add_priors(const Parameters& off, NormalEquations& normal) {
-  const ImagingPriors& sigma = kSymbolFit.prior_sigma;
-  const Parameters sigmas{sigma.log_blur, sigma.shift, sigma.stretch, sigma.bend,
-                          sigma.growth,   sigma.level, sigma.level,   sigma.level};
+  const ImagingTuning& sigma = kImaging;
+  const Parameters sigmas{sigma.log_blur, sigma.edge,  sigma.stretch, sigma.edge,
+                          sigma.edge,     sigma.level, sigma.level,   sigma.level};
   for (int i = 0; i < kParameters; ++i) {
     const double weight = 1 / (sigmas[i] * sigmas[i]);
     normal.matrix(i, i) += weight;
@@ -151,7 +151,7 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
   const FitProblem problem(profile, digits, start.pixel);
   Parameters p = pack(start);
   const NormalEquations found = minimise_damped(
-      p, {kSymbolFit.most_steps, kSymbolFit.settled},
+      p, {},
       [&](const Parameters& at) {
         NormalEquations normal = problem.equations_at(at);
         add_priors(at - nominal, normal);

@@ -155,7 +155,7 @@ bool has_room(const ScanLine& line, const SymbolPlace& place) {
 
 // Where a begin suits, for one module width; in samples of the line resampled to that width.
 std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
-                                         double module, double worst) {
+                                         double module) {
   const auto length =
       static_cast<int>(static_cast<double>(line.size()) / module * kPlacedPerModule);
   const int count = length + 2 * kPlacedMargin * kPlacedPerModule;
@@ -176,7 +176,7 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
     const float cost = at_start +
                        centres[static_cast<std::size_t>(first_bar + 44 * kPlacedPerModule)] +
                        ends[last_guard];
-    if (cost > worst) continue;
+    if (cost > kPlace.worst) continue;
     const auto first = guards.end.begin() + (first_bar + 91 * kPlacedPerModule) - kSlackSamples;
     const auto at_end = std::find(first, guards.end.end(), ends[last_guard]);
     const double begin = first_bar - kPlacedMargin * kPlacedPerModule;
@@ -191,12 +191,12 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
 }  // namespace
 
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most, double worst) {
+                                            std::size_t most) {
   std::vector<SymbolPlace> all;
   if (line.size() < 40) return all;
   const LineIntegral integral(line);
   for (double module = least; module <= greatest; module *= kPlace.step) {
-    std::ranges::move(places_at_width(line, integral, module, worst), std::back_inserter(all));
+    std::ranges::move(places_at_width(line, integral, module), std::back_inserter(all));
   }
   std::ranges::sort(all, {}, &SymbolPlace::cost);
   std::vector<SymbolPlace> best;
@@ -204,8 +204,8 @@ std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, 
     const auto same = [&](const SymbolPlace& other) {
       const double end = place.begin + kModuleCount * place.module;
       const double other_end = other.begin + kModuleCount * other.module;
-      return std::abs(place.begin - other.begin) < kPlace.same * place.module &&
-             std::abs(end - other_end) < kPlace.same * place.module;
+      return std::abs(place.begin - other.begin) < kPlace.slack * place.module &&
+             std::abs(end - other_end) < kPlace.slack * place.module;
     };
     if (std::ranges::any_of(best, same)) continue;
     best.push_back(place);

@@ -25,7 +25,7 @@ struct SymbolPlace {
 // directions fit equally well; the one along the line is returned. `least` and `greatest` bound
 // the module's width in samples, `worst` the places' cost.
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most, double worst = kPlace.worst);
+                                            std::size_t most);
 
 inline constexpr int kPlacedPerModule = 5;  // samples of a placed line
 inline constexpr int kPlacedMargin = 14;    // modules of a placed line on both sides of the symbol

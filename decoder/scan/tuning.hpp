@@ -15,7 +15,6 @@ struct PlaceTuning {
   double worst = 1.5;
   int slack = 3;        // modules that centre and end may be off by the begin's module
   double step = 1.045;  // from one width of a module to the next
-  double same = 1.5;    // modules between ends of one symbol found twice
 };
 inline constexpr PlaceTuning kPlace;
 
@@ -23,9 +22,8 @@ inline constexpr PlaceTuning kPlace;
 struct ElasticTuning {
   // Squared residual of a good line: 0.14 of the contrast, much of it shared by a module's samples.
   float variance = 0.02F;
-  int quiet = 5;              // modules of quiet zone that are looked at
-  double digit_sigma = 0.04;  // of the width of modules, between neighbouring digits
-  double guard_sigma = 0.08;  // the same beside a guard pattern, which is too short to tell it
+  double change_sigma =
+      0.05;  // of the width of modules, from one digit or guard pattern to the next
   double level_sigma = 0.15;  // of the width of modules, against the line's own
 };
 inline constexpr ElasticTuning kElastic;
@@ -33,23 +31,13 @@ inline constexpr ElasticTuning kElastic;
 // Weak priors of the imaging model: standard deviations of its values about their nominal ones.
 // They hold what a short or empty profile leaves open, and forbid what would turn one digit into
 // another.
-struct ImagingPriors {
+struct ImagingTuning {
   double log_blur = 0.7;
-  double shift = 0.5;      // modules
+  double edge = 0.35;      // modules: shift, bend, growth
   double stretch = 0.006;  // of the length
-  double bend = 0.3;       // modules
-  double growth = 0.35;    // modules
   double level = 0.3;      // of white, black and shading, of the contrast
 };
-
-// The fit of the imaging model to a profile.
-struct SymbolFitTuning {
-  ImagingPriors prior_sigma;
-  int most_steps = 12;
-  double settled = 1e-3;         // change of the cost
-  double least_contrast = 0.05;  // of the white
-};
-inline constexpr SymbolFitTuning kSymbolFit;
+inline constexpr ImagingTuning kImaging;
 
 // What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
 // ("Reliability"; `./dev campaign frames`). A tunnel holds less.
@@ -77,12 +65,10 @@ inline constexpr OddsTuning kOdds;
 
 // Which digits and which image explain a profile, and how well.
 struct DecodeTuning {
-  std::size_t least_places = 40;
   double least_guards = 0.35;  // of the guard patterns, explained before any adjustment
   int rounds = 4;              // of digits and image in turn
   double hopeless = 0.75;      // explained, of a symbol or a digit: with less it is not believed
   double least_noise = 0.15;   // variance factor
-  int noise_reach = 4;         // modules to either side that tell a module's own noise
   double noise_prior = 5;      // modules' worth of the common noise
   // Odds from which another code is a candidate of a part of a symbol, and a digit that may be
   // another one is uncertain: what is less likely counts as doubt, of which kSureWithBook leaves

@@ -34,7 +34,7 @@ constexpr double kSharpBlur = 1.2;  // pixels: what lens and pixels leave of a p
 constexpr double kMostHidden = 0.05;
 constexpr double kEndOfScale = 255;  // of every camera's samples: what is brighter is lost
 // Modules that bars are wider or narrower as printers and cameras go: what the reader expects.
-constexpr double kUsualGrowth = kSymbolFit.prior_sigma.growth;
+constexpr double kUsualGrowth = kImaging.edge;
 
 struct Levels {
   double dark = 0;

@@ -36,4 +36,7 @@ class NormalTable {
   std::array<NormalValue, kSize + 2> values_{};
 };
 
+// Standard deviations that noise does not reach.
+inline constexpr double kBeyondNoise = 4;
+
 }  // namespace tagsmith::detail

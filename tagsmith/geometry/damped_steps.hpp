@@ -12,8 +12,8 @@ namespace tagsmith::detail {
 
 // When to stop.
 struct DampedSteps {
-  int most = 15;          // steps, those that were not taken included
-  double settled = 1e-4;  // of the cost: a step that gains less is the last
+  int most = 40;          // steps, those that were not taken included
+  double settled = 3e-5;  // of the cost: a step that gains less is the last
   double damping = 1e-3;  // of the first step
 };
 

@@ -13,6 +13,9 @@ inline constexpr int kModuleCount = 95;
 inline constexpr int kElementCount = 59;
 inline constexpr int kModulesPerDigit = 7;
 inline constexpr int kElementsPerDigit = 4;
+inline constexpr int kWidestElement = 4;  // modules
+// Modules to either side of a place among which there are bars and spaces.
+inline constexpr int kNearModules = kWidestElement + 1;
 inline constexpr int kQuietZoneModules = 9;  // GS1 General Specifications 5.2.3.4
 
 // Widths of a digit's four elements in modules. The left half of the symbol starts each digit with

@@ -393,14 +393,6 @@ TEST_CASE("the frame is found around its bars when it does not show as one piece
   CHECK(is_read(view));
 }
 
-TEST_CASE("a wall without bars holds no symbol") {
-  std::mt19937 random(13);
-  const GrayImage image = noise(320, 240, random);
-  for (const BarRegion& region : find_bar_regions(texture_of(image.view()))) {
-    CHECK_FALSE(is_symbol_like(image.view(), region));
-  }
-}
-
 TEST_CASE("tags are read at incidences that make the frame higher than wide") {
   ReadOptions options;
   options.check = CheckDigit::sum10;

@@ -110,11 +110,8 @@ TEST_CASE("what is no symbol, or not of the region's size, has no first line") {
   tag.covers = {{-60, -40, -6, 40, 0.4}, {6, -40, 60, 40, 0.4}};
   CHECK(!Lines(tag).first());
   Lines lines(slanted_bars());
-  lines.region.length *= 2;
-  FirstLineLimits limits;
-  CHECK(first_line(lines.light, lines.frame, lines.region, Wanted::digits, limits));
-  limits.least_module = 0.8;
-  CHECK(!first_line(lines.light, lines.frame, lines.region, Wanted::digits, limits));
+  lines.region.length *= 3;
+  CHECK(!first_line(lines.light, lines.frame, lines.region, Wanted::digits));
 }
 
 TEST_CASE("lines are read over the whole height of the bars, each where it lies") {

@@ -100,6 +100,26 @@ TEST_CASE("each frame is told once, and none as refused that was read") {
   }
 }
 
+TEST_CASE("a frame around what is no symbol is not told as a tag that cannot be read") {
+  const auto is_told = [](double explained, double guards, double black) {
+    TagHypothesis refused = refused_at(kPlate, RejectionReason::guard_pattern);
+    Decoding& decoding = std::get<Rejection>(refused.outcome).symbol.emplace().decoding;
+    decoding.fit.explained = explained;
+    decoding.guards = guards;
+    decoding.fit.image.black = black;
+    TagHypotheses found{FrameShape{}};
+    found.keep(refused);
+    const ReadResult result = found.result(true);
+    CHECK(result.rejected.size() + result.passed_over.size() == 1);
+    return result.passed_over.empty();
+  };
+  CHECK(is_told(0.85, 0.95, 1));
+  CHECK(is_told(0.4, 0.8, 0.9));   // covered between its guard patterns
+  CHECK(is_told(0.8, 0.4, 0.9));   // covered where a guard pattern is
+  CHECK(!is_told(0.3, 0.5, 2));    // the bars of a grating
+  CHECK(!is_told(0.5, 0.8, 0.2));  // hardly darker than the white of the frame, as a wall is
+}
+
 TEST_CASE("what began or was fitted in the same place is known") {
   TagHypotheses found{FrameShape{}};
   TagHypothesis outline{.source = Source::outline, .rough = kPlate};
@@ -108,9 +128,10 @@ TEST_CASE("what began or was fitted in the same place is known") {
   found.keep(outline);
   Quad near = kPlate;
   for (PixelPoint& corner : near) corner.x += 0.3;
-  CHECK(found.was_proposed(Source::outline, near, 0.4));
-  CHECK(!found.was_proposed(Source::outline, near, 0.2));
-  CHECK(!found.was_proposed(Source::completed, near, 0.4));
+  CHECK(found.was_proposed(Source::outline, near));
+  CHECK(!found.was_proposed(Source::completed, near));
+  for (PixelPoint& corner : near) corner.x += 0.3;
+  CHECK(!found.was_proposed(Source::outline, near));
   RefinedFrame frame;
   frame.corners = kPlate;
   CHECK(found.was_fitted(frame));

@@ -154,7 +154,7 @@ TEST_CASE("a proof that fails writes nothing and tells why") {
   const fs::path out = folder.path() / "out";
   const std::string survey = gs1_survey(folder.path(), "tag-a4");
   std::string hairline = read_file("templates/tag-a4.yaml").value();
-  hairline.replace(hairline.find("stroke: 0.008"), 13, "stroke: 0.0001");
+  hairline.replace(hairline.find("stroke: 0.008"), 13, "stroke: 0.00005");
   REQUIRE(write_file(folder.path() / "tag-a4.yaml", hairline));
   const ProgramOutput output = print(survey, out, "--tags 000L --format pdf --proof");
   CHECK(output.exit_code == 1);

@@ -360,7 +360,8 @@ TEST_CASE("tiles are put together and verified, as pages of a PDF or as files") 
   REQUIRE(run_shell(in + "pdfseparate 001R.pdf p%d.pdf && pdfunite p1.pdf p3.pdf p2.pdf p4.pdf "
                          "p5.pdf 001R.pdf")
               .exit_code == 0);
-  CHECK(tags_in("001R.pdf")["rules"] == json::array({"changed-file", "no-frame"}));
+  CHECK(tags_in("001R.pdf")["rules"] ==
+        json::array({"changed-file", "covered", "missing-in-file"}));
   REQUIRE(run_shell(in + "pdfunite p1.pdf p2.pdf 001R.pdf").exit_code == 0);
   CHECK(tags_in("001R.pdf")["findings"][0] ==
         "has 2 pages, expected 5: an assembly sheet and 4 tiles for each tag");
