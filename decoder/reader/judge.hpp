@@ -44,9 +44,9 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
 // Whether the quick profile shows so much of a symbol that a careful one may read it.
 bool is_symbol_like(const SymbolHypothesis& symbol);
 
-// Whether what is inside a frame may be a symbol that cannot be read: the quick profile shows as
-// much of one, or else half of what is seen is one's or guard patterns are, and bars are as dark as
-// the frame. If not, the frame is no tag's: joints of bricks, a grating on a plate.
+// Whether what is inside a frame may be a symbol that cannot be read: it is symbol-like, or its
+// bars are as dark as the frame and it explains half of the profile or has guard patterns. If not,
+// the frame is no tag's: joints of bricks, a grating on a plate.
 bool may_be_symbol(const SymbolHypothesis& symbol);
 
 // The symbol that is read for certain without the code book and is in none of its codes, where

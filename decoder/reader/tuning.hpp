@@ -27,8 +27,8 @@ struct ProfileTuning {
   // Rows of their own light, each stretch fitted to what all have in common.
   float most_variance = 3;        // times the usual one
   float model_variance = 0.006F;  // of the contrast squared: 8 % off anywhere
-  double odd = 0.3;               // off the median: more than bars of one module leave of it
-  std::size_t bands = 14;         // of rows for a first guess
+  double odd = 0.3;  // off what is expected, there or on white: more than blurred bars leave of it
+  std::size_t bands = 14;  // of rows for a first guess
   // Plain windows, in which something hides the bars.
   double showing = 0.93;  // of the rows at a place, the one taken to show bars
   double plain = 0.08;    // of its variance

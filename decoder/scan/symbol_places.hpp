@@ -23,7 +23,7 @@ struct SymbolPlace {
 
 // Places whose quiet zones and three guard patterns suit, best first, at most `most` of them. Both
 // directions fit equally well; the one along the line is returned. `least` and `greatest` bound
-// the module's width in samples, `worst` the places' cost.
+// the module's width in samples, kPlace.worst the places' cost.
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
                                             std::size_t most);
 

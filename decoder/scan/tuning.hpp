@@ -22,9 +22,8 @@ inline constexpr PlaceTuning kPlace;
 struct ElasticTuning {
   // Squared residual of a good line: 0.14 of the contrast, much of it shared by a module's samples.
   float variance = 0.02F;
-  double change_sigma =
-      0.05;  // of the width of modules, from one digit or guard pattern to the next
-  double level_sigma = 0.15;  // of the width of modules, against the line's own
+  double change_sigma = 0.05;  // of the width of modules, from a digit or guard pattern to the next
+  double level_sigma = 0.15;   // of the width of modules, against the line's own
 };
 inline constexpr ElasticTuning kElastic;
 
