@@ -95,6 +95,7 @@ struct Line {
 // The straight lines that enough of the scan lines have a fall on, and not much fewer than on
 // the line that shows best, nearest first (Hough transform over slope and distance).
 std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, std::size_t most) {
+  const auto apart = static_cast<std::size_t>(kEdgeFit.thin_stroke);
   const auto bins = static_cast<std::size_t>(reach + 3);
   const auto slope_of = [](std::size_t k) {
     return kFrameAround.most_slope * (static_cast<double>(k) - kFrameAround.scan_lines) /
@@ -121,7 +122,7 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, std::si
     Line line;
     int votes_of_line = 0;
     std::size_t at = i;
-    for (std::size_t near = i; near < std::min(i + kFrameAround.apart, bins - 1); ++near) {
+    for (std::size_t near = i; near < std::min(i + apart, bins - 1); ++near) {
       for (std::size_t k = 0; k < kAllSlopes; ++k) {
         if (votes.at(k, near) <= votes_of_line) continue;
         votes_of_line = votes.at(k, near);
@@ -130,7 +131,7 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, std::si
       }
     }
     lines.push_back(line);
-    i = at + kFrameAround.apart;
+    i = at + apart;
   }
   return lines;
 }

@@ -188,7 +188,8 @@ void add_side(const Problem& problem, const SharpenedParameters& p, std::size_t 
   for (Eigen::Index k = 0; k < levels.size(); ++k) {
     const EdgeSample& sample = side.samples[static_cast<std::size_t>(k)];
     const double variance =
-        kEdgeFit.least_residual * kEdgeFit.least_residual / static_cast<double>(sample.weight);
+        kEdgeFit.least_residual * kEdgeFit.least_residual / static_cast<double>(sample.weight) +
+        kSharpening.model * kSharpening.model;
     const double off = static_cast<double>(sample.value) - levels[k];
     const double ratio2 = off * off / (kSharpening.dirt * kSharpening.dirt);
     root[k] = 1 / std::sqrt(variance * (1 + ratio2));
@@ -258,7 +259,7 @@ bool may_be_sharpened(const Problem& problem) {
   const double variance = solver.solve(SharpenedParameters::Unit(kCommonAmount))[kCommonAmount];
   const double noise = std::max(1.0, (plain.cost - plain.right.dot(step)) / sample_count(problem));
   const double amount = step[kCommonAmount];
-  return amount > 0 && amount * amount > kSharpening.clear * noise * variance;
+  return amount > 0 && amount * amount > kSharpening.worth * noise * variance;
 }
 
 SharpenedSolution sharpened_fit(const Problem& problem) {

@@ -34,7 +34,7 @@ struct EdgeFitTuning {
   float fine = 1.6F;          // pixels to either side of the edge where samples are close together
   float per_pixel = 4;        // samples there
   int zones = 4;              // along a side in which samples are averaged
-  double thin_stroke = 4;     // pixels: fitted by both of its edges
+  double thin_stroke = 4;     // pixels: fitted by both of its edges; lines that are nearer are one
   double most_pixels = 1000;  // of a side; more add nothing that the model could use
   // Of logarithms: the stroke's thickness by the guess, a side's blur by that of the others.
   double log_sigma = 0.4;
@@ -52,8 +52,10 @@ inline constexpr EdgeFitTuning kEdgeFit;
 // What the sides tell of sharpening. Set by `./dev bench chain` with seed 1, tried with seed 2.
 struct SharpeningTuning {
   double beyond_px = 5;     // pixels of white to either side of the stroke, undone around it
+  double model = 1;         // grey levels that a profile may be off its model
   double dirt = 8;          // grey levels of the scale of the Cauchy weights
   double usual_px = 1.6;    // standard deviation of the mask's Gaussian
+  double worth = 2.5;       // of the square of standard deviations, to look closer
   double clear = 12;        // of twice the logarithm of the likelihood ratio
   double doubt = 0.35;      // of what undoing or growth moves; of what stroke and bars differ by
   double thin_stroke = 10;  // pixels, of a stroke that tells by how much edges are moved
@@ -106,7 +108,6 @@ struct FrameAroundTuning {
   double of_best = 0.75;       // of those that fall on the line which shows best
   std::size_t most_lines = 4;  // above and below the bars, tried in pairs
   double most_slope = 0.8;     // of a plate seen and turned obliquely
-  std::size_t apart = 4;       // pixels between two lines
   // From the bars' middle: of their height beyond their ends, of their length beside them.
   double beyond = 2;
 };

@@ -124,7 +124,7 @@ class Judge {
       return;
     }
     take_fitting();
-    int accused = 0;
+    std::ptrdiff_t accused = 0;
     for (std::size_t i = 0; i < result_.plates.size(); ++i) accused += accuse(i) ? 1 : 0;
     doubt_what_depends_on_doubtful();
     constexpr int kFew = 4;

@@ -11,8 +11,8 @@ using Eigen::VectorXd;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 using Element = SparseMatrix::InnerIterator;
 
-SelectedInverse::SelectedInverse(SparseMatrix lower, const VectorXd& pivots)
-    : inverse_(std::move(lower)), diagonal_(pivots.cwiseInverse()) {
+SelectedInverse::SelectedInverse(const SparseMatrix& lower, const VectorXd& pivots)
+    : inverse_(lower), diagonal_(pivots.cwiseInverse()) {
   inverse_.makeCompressed();
   VectorXd sums = VectorXd::Zero(inverse_.rows());
   VectorXd factors = VectorXd::Zero(inverse_.rows());  // the column's, 0 elsewhere

@@ -25,7 +25,7 @@ using PlateMatrix = Eigen::Matrix<double, kPlateCount, kPlateCount>;
 // matrix"). L is unit lower triangular, its diagonal not stored, its columns sorted.
 class SelectedInverse {
  public:
-  SelectedInverse(Eigen::SparseMatrix<double> lower, const Eigen::VectorXd& pivots);
+  SelectedInverse(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& pivots);
 
   // Where neither L nor its transpose has an element, 0.
   double at(Eigen::Index row, Eigen::Index column) const;

@@ -283,8 +283,7 @@ PoseSearch search_poses(JointProblem& problem) {
       auto agreement = fit_agreeing(problem, agreeing, fit.state.vehicle);
       if (!agreement) continue;
       search.contradictory = search.contradictory || agreement->contradictory;
-      auto candidate =
-          completed(problem, agreement->contradictory ? fit : std::move(agreement->fit));
+      auto candidate = completed(problem, agreement->contradictory ? fit : agreement->fit);
       if (candidate) add_candidate(search, std::move(*candidate));
       std::ranges::stable_sort(search.candidates, is_better);
     }

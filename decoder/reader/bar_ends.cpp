@@ -408,8 +408,9 @@ bool is_stroke_beyond(const GrayView& image, const BarField& field, const Symbol
                       std::size_t side) {
   const Symbol symbol(image, field);
   const double stroke = layout.frame.stroke / layout.frame.height;
-  for (double out = stroke / 2; out < kBarEnds.outside; out += stroke / 4) {
-    if (shows_stroke(symbol, layout, side, out)) return true;
+  const int steps = static_cast<int>(std::ceil(4 * kBarEnds.outside / stroke));
+  for (int k = 2; k < steps; ++k) {
+    if (shows_stroke(symbol, layout, side, k * stroke / 4)) return true;
   }
   return false;
 }

@@ -298,7 +298,8 @@ bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, co
     const double share =
         lines == 1 ? 0.5 : static_cast<double>(kWidest + line * kPlacesPerModule) / broad;
     const auto place = [&](const Crossing& crossing) {
-      return static_cast<std::size_t>(crossing.begin + static_cast<int>(share * crossing.count));
+      const int along = crossing.begin + static_cast<int>(share * crossing.count);
+      return static_cast<std::size_t>(along);
     };
     const std::size_t first = place(begin), last = place(end);
     const double from = above.level[first], to = below.level[last];

@@ -67,14 +67,14 @@ class ExpectedSurroundings {
   ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected,
                        const FrameShape& shape) {
     PyramidLevel level = surroundings(image, expected);
-    if (level.image.width < kSearch.least_part || level.image.height < kSearch.least_part ||
+    if (level.image.width < 2 * kTile || level.image.height < 2 * kTile ||
         !is_convex(expected.corners)) {
       return;
     }
     levels_.push_back(level);
     while (levels_.size() < 3 &&
            expected.uncertainty_px > settling_reach(expected.corners, level.scale, shape) &&
-           std::min(level.image.width, level.image.height) >= 4 * kSearch.least_part) {
+           std::min(level.image.width, level.image.height) >= 8 * kTile) {
       reduced_.push_back(half_size(level.image));
       level.image = reduced_.back().view();
       level.scale *= 2;

@@ -91,8 +91,8 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
     const double offset = share * region.height;
     lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
     for (const SymbolPlace& place :
-         find_symbol_places(lines.back().light, kBarLines.least_module * nominal_module,
-                            kBarLines.greatest_module * nominal_module, kBarLines.most_places)) {
+         find_symbol_places(lines.back().light, nominal_module / kBarLines.most_wider,
+                            kBarLines.most_wider * nominal_module, kBarLines.most_places)) {
       places.push_back({lines.size() - 1, place});
     }
   }

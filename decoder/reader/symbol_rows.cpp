@@ -101,7 +101,7 @@ void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
   const PixelBox box = box_of(rows, image);
   const PixelSteps steps = pixel_steps(rows, corners);
   const CellPlaces places(rows);
-  const auto width = static_cast<std::size_t>((box.right - box.left) / steps.x + 1);
+  const auto width = static_cast<std::size_t>((box.right - box.left) / steps.x) + 1;
   const auto row_count = static_cast<float>(rows.rows), bin_count = static_cast<float>(rows.bins);
   std::vector<float> u(width), v(width);
   for (int y = box.top; y <= box.bottom; y += steps.y) {

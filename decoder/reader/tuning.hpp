@@ -75,10 +75,11 @@ struct BarLinesTuning {
   double stray = 2.5;            // times the median cost
   int lines = 10;                // of a region
   double off = 0.5;              // modules: boundaries that are farther off count little
-  // Modules of a first line, of what the region's length says. Those of covered tags that were read
-  // had 0.67 to 1.05, and costs per module of 1.9 at most (`./dev bench troubled`), prints of 18
-  // pixels a module 2.6.
-  double least_module = 0.5, greatest_module = 1.8, worst_cost = 3;
+  // By how much a first line's modules may be wider or narrower than the region's length says, and
+  // its cost per module. Those of covered tags that were read had 0.67 to 1.05 of it and 1.9 at
+  // most
+  // (`./dev bench troubled`); prints of 18 pixels a module cost 2.6.
+  double most_wider = 2, worst_cost = 3;
 };
 inline constexpr BarLinesTuning kBarLines;
 
@@ -87,7 +88,6 @@ inline constexpr BarLinesTuning kBarLines;
 struct SearchTuning {
   std::size_t least_changes = 20'000;  // of colour that are followed in a level
   int largest_frame = 240;             // pixels; larger ones are seen at half the size
-  int least_part = 16;                 // pixels of the part around an expected tag
   int least_level = 160;               // pixels of the coarsest level
   // Careful looks, bars followed, and regions read without a frame, in one picture: bounds its
   // time.

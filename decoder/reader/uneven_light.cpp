@@ -67,7 +67,8 @@ std::vector<float> light_of_margins(const GrayView& image, const FrameHomography
       float sum = 0;
       for (int i = 0; i < kModulesPerDigit * kRows; ++i) {
         const double u = layout.width_share(first + i % kModulesPerDigit);
-        const double v = edge + layout.bars_top * (0.3 + 0.1 * (i / kModulesPerDigit));
+        const int row = i / kModulesPerDigit;
+        const double v = edge + layout.bars_top * (0.3 + 0.1 * row);
         sum += light[static_cast<std::size_t>(sample_bilinear(image, map(u, v)))];
       }
       means.push_back(sum / (kModulesPerDigit * kRows));

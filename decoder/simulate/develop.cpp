@@ -22,14 +22,16 @@ constexpr std::array<double, 3> kTransmission{0.55, 1.0, 0.6};  // blue, green, 
 
 // The colour of the filter over a pixel: blue and green in the first row, green and red in the
 // next.
-std::size_t filter_at(int x, int y) { return static_cast<std::size_t>((x & 1) + (y & 1)); }
+std::size_t filter_at(int x, int y) {
+  return static_cast<std::size_t>(x & 1) + static_cast<std::size_t>(y & 1);
+}
 
 double roll_of_row(double y, int height, double rolling_px) {
   return rolling_px * (y / std::max(1, height - 1) - 0.5);
 }
 
 cv::Mat rolled(const LightImage& light, double rolling_px) {
-  const cv::Mat image(light.height, light.width, CV_32F, const_cast<float*>(light.samples.data()));
+  cv::Mat image(light.height, light.width, CV_32F, const_cast<float*>(light.samples.data()));
   if (rolling_px == 0) return image;
   cv::Mat from(light.height, light.width, CV_32FC2);
   for (int y = 0; y < light.height; ++y) {
