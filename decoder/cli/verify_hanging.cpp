@@ -117,8 +117,7 @@ LoadedHanging hanging_without_rig(const HangingOptions& options) {
 }
 
 bool any_names_lens(const std::vector<std::filesystem::path>& files) {
-  constexpr std::size_t kHeader =
-      std::size_t{128} * 1024;  // of a JPEG; the EXIF segment has at most half
+  constexpr std::size_t kHeader = 128UL * 1024;  // of a JPEG; the EXIF segment has at most half
   return std::ranges::any_of(files, [&](const std::filesystem::path& file) {
     std::string bytes = beginning_of(file, kHeader);
     if (is_heif(bytes)) bytes = read_file(file).value_or("");

@@ -49,8 +49,9 @@ void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int cou
   for (std::size_t i = 1; i + 2 < levels.size(); ++i) {
     const float drop = drop_at(i);
     if (drop < static_cast<float>(kSide.least_fall) || (i > 1 && drop_at(i - 1) > drop) ||
-        drop_at(i + 1) >= drop)
+        drop_at(i + 1) >= drop) {
       continue;
+    }
     falls.push_back(to_fall(start + static_cast<double>(i) * step));
   }
 }

@@ -235,7 +235,7 @@ void propose_bars(SearchContext& search) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
     if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
         (!everywhere && search.found.was_looked_at(region)) || runs_off(picture.image(), region) ||
-        !has_bars(picture.light, region)) {
+        (everywhere && !has_bars(picture.light, region))) {
       continue;
     }
     search.propose(region);

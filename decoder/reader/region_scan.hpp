@@ -11,7 +11,6 @@
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
-#include "decoder/scan/tuning.hpp"
 
 namespace tagsmith::detail {
 

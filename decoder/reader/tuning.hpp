@@ -76,9 +76,8 @@ struct BarLinesTuning {
   int lines = 10;                // of a region
   double off = 0.5;              // modules: boundaries that are farther off count little
   // By how much a first line's modules may be wider or narrower than the region's length says, and
-  // its cost per module. Those of covered tags that were read had 0.67 to 1.05 of it and 1.9 at
-  // most
-  // (`./dev bench troubled`); prints of 18 pixels a module cost 2.6.
+  // its cost per module. Those of covered tags that were read had 0.67 to 1.05 of that width and
+  // cost 1.9 at most (`./dev bench troubled`); prints of 18 pixels a module cost 2.6.
   double most_wider = 2, worst_cost = 3;
 };
 inline constexpr BarLinesTuning kBarLines;

@@ -10,7 +10,6 @@
 #include "decoder/scan/explained.hpp"
 #include "decoder/scan/explanation.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -113,7 +113,7 @@ TEST_CASE("a symbol has bars, also where half of it is covered") {
   CHECK(has(tag));
 }
 
-TEST_CASE("what changes less often than half a symbol has no bars") {
+TEST_CASE("what changes less often than a third of a symbol has no bars") {
   constexpr int kWidth = 300, kHeight = 120;
   BarRegion region{{150, 60}, {1, 0}, 190, 80};
   const auto has = [&](const auto& is_dark) {
