@@ -182,8 +182,7 @@ FrameHomography::FrameHomography(const Quad& corners, const LensDistortion& lens
   fit_correction();
 }
 
-PixelPoint FrameHomography::operator()(double u, double v) const {
-  if (!lens_.bends()) return flat_(u, v);
+PixelPoint FrameHomography::through_lens(double u, double v) const {
   return lens_.bent(straight_(u, v)).value_or(flat_(u, v));
 }
 

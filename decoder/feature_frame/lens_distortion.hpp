@@ -92,7 +92,9 @@ class FrameHomography {
  public:
   FrameHomography(const Quad& corners, const LensDistortion& lens);
 
-  PixelPoint operator()(double u, double v) const;
+  PixelPoint operator()(double u, double v) const {
+    return lens_.bends() ? through_lens(u, v) : flat_(u, v);
+  }
 
   // The place in the unit square of a pixel, exactly; without the lens where that has no ray.
   PixelPoint unit_of(PixelPoint pixel) const;
@@ -110,6 +112,7 @@ class FrameHomography {
   static constexpr int kAlong = 5;  // coefficients, by powers of u
   static constexpr int kAcross = 4;
 
+  PixelPoint through_lens(double u, double v) const;
   void fit_correction();
 
   LensDistortion lens_;

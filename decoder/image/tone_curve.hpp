@@ -31,7 +31,8 @@ class ToneCurve {
     float slope = 0;
   };
   Point point_of(float light) const {
-    const float position = std::clamp(light, 0.0F, 1.0F) * kSteps;
+    // Light that is no number counts as none.
+    const float position = (light > 0 ? std::min(light, 1.0F) : 0.0F) * kSteps;
     const int index = static_cast<int>(position);
     const float low = rounded_[static_cast<std::size_t>(index)];
     const float high = rounded_[static_cast<std::size_t>(index) + 1];

@@ -52,7 +52,7 @@ float median_of(std::vector<float>& values) {
 class Symbol {
  public:
   Symbol(const GrayView& image, const BarField& field)
-      : tone_(ToneCurve::of(image)),
+      : light_(ToneCurve::of(image).light_table()),
         image_(image),
         field_(field),
         image_from_unit_(field.corners, field.lens) {}
@@ -122,11 +122,10 @@ class Symbol {
 
   // In light a blurred end is where half of the contrast is left; in grey levels it is not.
   float light_at(PixelPoint at) const {
-    const double level = sample_bilinear(image_, at);
-    return static_cast<float>(tone_.light_of(static_cast<int>(std::lround(level))));
+    return light_[static_cast<std::size_t>(sample_bilinear(image_, at) + 0.5)];
   }
 
-  const ToneCurve& tone_;
+  const std::array<float, 256>& light_;  // by grey level
   GrayView image_;
   BarField field_;
   FrameHomography image_from_unit_;

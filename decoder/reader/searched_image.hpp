@@ -7,7 +7,6 @@
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/pyramid.hpp"
-#include "decoder/reader/sampled_light.hpp"
 
 namespace tagsmith::detail {
 
@@ -15,9 +14,9 @@ namespace tagsmith::detail {
 // The image's samples must outlive it.
 class SearchedImage {
  public:
-  explicit SearchedImage(const GrayView& image) : light(image) {}
+  explicit SearchedImage(const GrayView& image) : image_(image) {}
 
-  const GrayView& image() const { return light.image(); }
+  const GrayView& image() const { return image_; }
 
   const Pyramid& pyramid();
 
@@ -26,9 +25,8 @@ class SearchedImage {
   // at, so that modules below about one pixel of the next one are missed.
   const std::vector<BarRegion>& bars();
 
-  SampledLight light;
-
  private:
+  GrayView image_;
   std::optional<Pyramid> pyramid_;
   std::optional<std::vector<BarRegion>> bars_;
 };

@@ -56,10 +56,12 @@ int length_of(int segment, int ratio) {
                 [static_cast<std::size_t>(ratio)];
 }
 
-using Bars = std::vector<std::array<double, 2>>;  // begins and ends, modules
+// Where bars of a segment begin and end, in modules. At -1 and one module behind the segment's end
+// stand the nearest edges that may be beside it, whose elements have colours that are known.
+using Bars = std::vector<std::array<int, 2>>;
 
 void add_bars(Bars& bars, std::span<const std::uint8_t> widths, bool bar) {
-  double at = 0;
+  int at = 0;
   for (const std::uint8_t width : widths) {
     if (bar) bars.push_back({at, at + width});
     at += width;
@@ -67,54 +69,68 @@ void add_bars(Bars& bars, std::span<const std::uint8_t> widths, bool bar) {
   }
 }
 
-// The bars of a segment's pattern and of the modules beside it, whose colours are known: the
-// elements there are at least one module wide. 10 to 19 are digits of even parity.
+// The bars of a segment's pattern and of what is beside it. 10 to 19 are digits of even parity.
 Bars bars_of(int segment, int pattern) {
-  constexpr double kBeside = 1.4;
-  const double end = modules_of_segment(segment);
+  const int end = modules_of_segment(segment);
+  if (segment == 7) return {{-1, 0}, {1, 2}, {3, 4}, {end, end + 1}};
+  if (!is_digit(segment)) return {{0, 1}, {2, 3}};
   Bars bars;
-  if (!is_digit(segment)) {
-    if (segment == 7) {
-      bars = {{-kBeside, 0}, {1, 2}, {3, 4}, {5, 5 + kBeside}};
-    } else {
-      bars = {{0, 1}, {2, 3}};
-    }
-    return bars;
-  }
   std::array<std::uint8_t, kElementsPerDigit> widths =
       kDigitElements[static_cast<std::size_t>(pattern % 10)];
   if (pattern >= 10) std::ranges::reverse(widths);
   add_bars(bars, widths, !is_left(segment));
   if (is_left(segment)) {
-    bars.push_back({-kBeside, 0});
+    bars.push_back({-1, 0});
   } else {
-    bars.push_back({end, end + kBeside});
+    bars.push_back({end, end + 1});
   }
   return bars;
 }
 
-double coverage(const Bars& bars, const BarShape& shape, double at) {
-  const NormalTable& table = NormalTable::get();
-  const auto integral = [&](double z) {
-    return static_cast<double>(table(static_cast<float>(z)).integral);
-  };
-  double share = 0;
-  for (const auto& [begin, end] : bars) {
-    share += integral((at - begin + shape.growth / 2) / shape.blur) -
-             integral((at - end - shape.growth / 2) / shape.blur);
+// For each sample of a segment and each edge that its bars may have: how much of a bar that begins
+// there, and of one that ends there, lies before the sample, blurred.
+class EdgeIntegrals {
+ public:
+  EdgeIntegrals(int modules, int length, const BarShape& shape) {
+    constexpr double kBeside = 1.4;  // modules to the nearest edge beside the segment
+    const NormalTable& table = NormalTable::get();
+    const auto integral = [&](double z) {
+      return static_cast<double>(table(static_cast<float>(z / shape.blur)).integral);
+    };
+    for (int i = 0; i < length; ++i) {
+      const double at = (i + 0.5) * modules / length;
+      Sample& sample = samples_.emplace_back();
+      for (int edge = -1; edge <= modules + 1; ++edge) {
+        const double place = edge < 0 ? -kBeside : edge > modules ? modules + kBeside : edge;
+        sample.begins[number_of(edge)] = integral(at - place + shape.growth / 2);
+        sample.ends[number_of(edge)] = integral(at - place - shape.growth / 2);
+      }
+    }
   }
-  return std::min(share, 1.0);
-}
 
-std::vector<float> samples_of(int segment, int pattern, int length, const BarShape& shape) {
-  const Bars bars = bars_of(segment, pattern);
-  const double modules = modules_of_segment(segment);
-  std::vector<float> samples;
-  for (int i = 0; i < length; ++i) {
-    samples.push_back(static_cast<float>(coverage(bars, shape, (i + 0.5) * modules / length)));
+  // The bars' share of the light at each sample.
+  std::vector<float> shares_of(const Bars& bars) const {
+    std::vector<float> shares;
+    shares.reserve(samples_.size());
+    for (const Sample& sample : samples_) {
+      double share = 0;
+      for (const auto& [begin, end] : bars) {
+        share += sample.begins[number_of(begin)] - sample.ends[number_of(end)];
+      }
+      shares.push_back(static_cast<float>(std::min(share, 1.0)));
+    }
+    return shares;
   }
-  return samples;
-}
+
+ private:
+  struct Sample {
+    std::array<double, kModulesPerDigit + 3> begins{}, ends{};
+  };
+
+  static std::size_t number_of(int edge) { return static_cast<std::size_t>(edge + 1); }
+
+  std::vector<Sample> samples_;
+};
 
 // Segments that look alike share their templates.
 std::size_t kind_of(int segment) {
@@ -477,9 +493,14 @@ class Chain {
 BarTemplates::BarTemplates(const BarShape& shape) {
   for (std::size_t kind = 0; kind < templates_.size(); ++kind) {
     const int segment = kSegmentOfKind[kind];
+    std::vector<EdgeIntegrals> by_ratio;
+    for (int ratio = 0; ratio < kRatios; ++ratio) {
+      by_ratio.emplace_back(modules_of_segment(segment), length_of(segment, ratio), shape);
+    }
     for (int pattern = 0; pattern < patterns_of(segment); ++pattern) {
-      for (int ratio = 0; ratio < kRatios; ++ratio) {
-        Template shown{samples_of(segment, pattern, length_of(segment, ratio), shape), 0};
+      const Bars bars = bars_of(segment, pattern);
+      for (const EdgeIntegrals& integrals : by_ratio) {
+        Template shown{integrals.shares_of(bars), 0};
         for (const float sample : shown.samples) shown.squares += sample * sample;
         templates_[kind].push_back(std::move(shown));
       }

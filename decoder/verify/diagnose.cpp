@@ -178,12 +178,14 @@ std::optional<double> ground_level(const GrayView& image, const TagTemplate& tag
   const Homography image_from_frame = homography_to(corners);
   const double quiet = tag.quiet_zone_modules * module_width(tag) / tag.frame_inner_length;
   std::vector<int> samples;
-  for (int i = 0; i < kSteps * kSteps; ++i) {
-    const double in_zone = quiet * (1 + (i % kSteps + 0.5) / kSteps) / 3;
-    for (const double right : {in_zone, 1 - in_zone}) {
-      const double down = 0.1 + 0.8 * (i / kSteps) / (kSteps - 1);
-      const auto level = sample_nearest(image, image_from_frame(right, down));
-      if (level) samples.push_back(*level);
+  for (int row = 0; row < kSteps; ++row) {
+    const double down = 0.1 + 0.8 * row / (kSteps - 1);
+    for (int column = 0; column < kSteps; ++column) {
+      const double in_zone = quiet * (1 + (column + 0.5) / kSteps) / 3;
+      for (const double right : {in_zone, 1 - in_zone}) {
+        const auto level = sample_nearest(image, image_from_frame(right, down));
+        if (level) samples.push_back(*level);
+      }
     }
   }
   return median_of(std::move(samples));

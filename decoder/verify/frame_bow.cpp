@@ -48,7 +48,8 @@ std::optional<double> edge_at(const GrayView& image, PixelPoint at, PixelPoint o
            point.y <= image.height - 1;
   };
   if (!is_within(places.at(0)) || !is_within(places.at(last - first))) return std::nullopt;
-  samples.resize(static_cast<std::size_t>(last - first + 1));
+  const int count = last - first + 1;
+  samples.resize(static_cast<std::size_t>(count));
   sample_line(image, places, samples);
   double white = samples.front();
   double black = white;

@@ -56,7 +56,7 @@ void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verif
   Result<SymbolGrade> grade = grade_symbol(image, verified.corners, layout_of(tag),
                                            find_references(image, tag, verified.corners));
   if (grade) {
-    verified.grade = std::move(*grade);
+    verified.grade = *grade;
   } else {
     verified.grade_reason = grade.error().message;
   }

@@ -54,7 +54,7 @@ void forget_hanging(VerifiedFile& file) {
 std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const VerifiedFile& file,
                                          std::string& note) {
   const std::string name = file.file.string();
-  const std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
+  std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
   if (!origin) {
     const bool might_tell = !setup.by_lenses || std::ranges::count_if(file.tags, tells) > 1;
     if (might_tell) {

@@ -264,7 +264,7 @@ std::string cure(const AdjustmentProblem& problem, const HungTag& tag, const Pla
     return fmt::format("if it is {}, exchange it with {}", tag.tag,
                        problem.plates[*check.swapped_with].name);
   }
-  const std::string cure = fmt::format("if it is {}, {}", tag.tag, instruction(tag));
+  std::string cure = fmt::format("if it is {}, {}", tag.tag, instruction(tag));
   if (!check.scale) return cure;
   return fmt::format("{}, unless it has {}", cure, frame_of(*check.scale));
 }

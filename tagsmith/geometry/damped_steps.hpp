@@ -18,10 +18,10 @@ struct DampedSteps {
 };
 
 // Levenberg-Marquardt: steps from `p` on towards the least cost, each damped by a share of the
-// normal matrix' diagonal that grows while steps gain nothing. `equations_at(p)` gives a struct
-// with the normal equations there: `matrix`, `right` (half the cost falls by its product with a
-// small step) and `cost`. `constrain(p)` puts parameters back to where the model means something.
-// Moves `p` and returns the equations where it comes to rest.
+// normal matrix' diagonal that grows while there is no step or it gains nothing. `equations_at(p)`
+// gives a struct with the normal equations there: `matrix`, `right` (half the cost falls by its
+// product with a small step) and `cost`. `constrain(p)` puts parameters back to where the model
+// means something. Moves `p` and returns the equations where it comes to rest.
 template <class Parameters, class EquationsAt, class Constrain>
 auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt& equations_at,
                      const Constrain& constrain) {
@@ -31,10 +31,17 @@ auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt&
   for (int step = 0; step < steps.most && damping < kMostDamping; ++step) {
     auto matrix = now.matrix;
     matrix.diagonal() *= 1 + damping;
-    Parameters next = p + matrix.ldlt().solve(now.right);
+    const Parameters move = matrix.ldlt().solve(now.right);
+    if (!move.allFinite()) {
+      damping *= 10;
+      continue;
+    }
+    Parameters next = p + move;
     constrain(next);
     auto tried = equations_at(std::as_const(next));
     if (!(tried.cost < now.cost)) {
+      // Where the normal equations promise no more than this, it is rounding that raised the cost.
+      if (move.dot(now.right) < steps.settled * now.cost) break;
       damping *= 10;
       continue;
     }

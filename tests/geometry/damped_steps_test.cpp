@@ -53,3 +53,25 @@ TEST_CASE("no step is taken that gains nothing") {
   CHECK(p == Eigen::Vector2d(3, 4));
   CHECK(found.cost == 1);
 }
+
+TEST_CASE("where equations have no solution the parameters stay as they are") {
+  Eigen::Vector2d p(3, 4);
+  const auto singular = [](const Eigen::Vector2d&) {
+    return Equations{Eigen::Matrix2d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                     Eigen::Vector2d::Ones(), 1};
+  };
+  minimise_damped(p, {100, 1e-12}, singular, [](const Eigen::Vector2d&) {});
+  CHECK(p == Eigen::Vector2d(3, 4));
+}
+
+TEST_CASE("the search ends where a step promises no more than it has to gain") {
+  // At the lowest place rounding makes every other one a little worse.
+  Eigen::Vector2d p(1e-9, 0);
+  int asked = 0;
+  const auto bowl = [&](const Eigen::Vector2d& at) {
+    ++asked;
+    return Equations{Eigen::Matrix2d::Identity(), -at, asked == 1 ? 1.0 : 1.0 + 1e-7};
+  };
+  minimise_damped(p, {100, 1e-6}, bowl, [](const Eigen::Vector2d&) {});
+  CHECK(asked == 2);
+}

@@ -24,8 +24,7 @@ SeenTag bare_symbol(double turn, PixelPoint slant) {
 
 std::optional<LocatedBars> located(const SeenTag& tag) {
   const GrayImage image = tag.image();
-  SampledLight light(image.view());
-  return locate_bars(light, tag.region());
+  return locate_bars(image.view(), tag.region());
 }
 
 }  // namespace
