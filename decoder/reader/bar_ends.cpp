@@ -9,6 +9,7 @@
 
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/bilinear.hpp"
+#include "decoder/image/line_levels.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/tuning.hpp"
@@ -57,19 +58,24 @@ class Symbol {
         field_(field),
         image_from_unit_(field.corners, field.lens) {}
 
+  // The places are even between a window's ends: what perspective and lens move them by there, they
+  // move in all of its rows alike.
   WindowRow row(std::size_t window, double v) const {
     const double width = (field_.last - field_.first) / kWindows;
-    const double begin = field_.first + static_cast<double>(window) * width;
+    const double u = field_.first + static_cast<double>(window) * width;
+    const PixelPoint begin = image_from_unit_(u, v), end = image_from_unit_(u + width, v);
+    const PixelPoint step = (1.0 / kInWindow) * (end - begin);
+    std::array<double, kInWindow> levels;
+    sample_line(image_, {begin + 0.5 * step, step}, levels);
     WindowRow row;
-    for (std::size_t k = 0; k < kInWindow; ++k) {
-      const double u = begin + width * (static_cast<double>(k) + 0.5) / kInWindow;
-      row.light[k] = light_at(image_from_unit_(u, v));
-    }
+    std::ranges::transform(levels, row.light.begin(), [&](double at) { return light_of(at); });
     if (field_.in_shadow) even_out(row);
     return row;
   }
 
-  float light(double u, double v) const { return light_at(image_from_unit_(u, v)); }
+  float light(double u, double v) const {
+    return light_of(sample_bilinear(image_, image_from_unit_(u, v)));
+  }
 
   double middle_of(std::size_t window) const {
     return field_.first +
@@ -121,9 +127,7 @@ class Symbol {
   }
 
   // In light a blurred end is where half of the contrast is left; in grey levels it is not.
-  float light_at(PixelPoint at) const {
-    return light_[static_cast<std::size_t>(sample_bilinear(image_, at) + 0.5)];
-  }
+  float light_of(double level) const { return light_[static_cast<std::size_t>(level + 0.5)]; }
 
   const std::array<float, 256>& light_;  // by grey level
   GrayView image_;

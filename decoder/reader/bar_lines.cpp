@@ -12,7 +12,6 @@
 
 #include <Eigen/Core>
 
-#include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/running.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -39,49 +38,34 @@ float interpolated(const RowOf& row_of, float across, float down) {
   return (cubic_weights(across) * columns).sum();
 }
 
-// The light (0-1, of the sRGB tone curve) between an image's pixels.
-class LightBetween {
- public:
-  explicit LightBetween(const GrayView& image)
-      : image_(image), light_(ToneCurve::of(image).light_table()) {}
+// Beyond the image its border pixels continue.
+float light_at(const SampledLight& light, PixelPoint at) {
+  const double x = std::clamp(at.x, 0.0, light.width() - 1.0);
+  const double y = std::clamp(at.y, 0.0, light.height() - 1.0);
+  const int left = static_cast<int>(x);
+  const int top = static_cast<int>(y);
+  const auto row_of = [&](int j) {
+    const float* row = light.row(std::clamp(top + j - 1, 0, light.height() - 1));
+    Eigen::Array4f pixels;
+    for (int i = 0; i < 4; ++i) pixels[i] = row[std::clamp(left + i - 1, 0, light.width() - 1)];
+    return pixels;
+  };
+  return interpolated(row_of, static_cast<float>(x - left), static_cast<float>(y - top));
+}
 
-  // Whether all pixels that inside() takes at a place are the image's.
-  bool is_inside(PixelPoint at) const {
-    return at.x >= 1 && at.y >= 1 && at.x < image_.width - 2 && at.y < image_.height - 2;
-  }
+// Whether all pixels that light_at takes are the image's.
+bool has_light_at(const SampledLight& light, PixelPoint at) {
+  return at.x >= 1 && at.y >= 1 && at.x < light.width() - 2 && at.y < light.height() - 2;
+}
 
-  // The light at such a place.
-  float inside(PixelPoint at) const {
-    const int left = static_cast<int>(at.x), top = static_cast<int>(at.y);
-    const std::uint8_t* corner = image_.row(top - 1) + left - 1;
-    const auto row_of = [&](int j) {
-      const std::uint8_t* four = corner + j * image_.stride;
-      return Eigen::Array4f(light_[four[0]], light_[four[1]], light_[four[2]], light_[four[3]]);
-    };
-    return interpolated(row_of, static_cast<float>(at.x - left), static_cast<float>(at.y - top));
-  }
-
-  // The light at any place: beyond the image its border pixels continue.
-  float anywhere(PixelPoint at) const {
-    const double x = std::clamp(at.x, 0.0, image_.width - 1.0);
-    const double y = std::clamp(at.y, 0.0, image_.height - 1.0);
-    const int left = static_cast<int>(x);
-    const int top = static_cast<int>(y);
-    const auto row_of = [&](int j) {
-      const std::uint8_t* row = image_.row(std::clamp(top + j - 1, 0, image_.height - 1));
-      Eigen::Array4f pixels;
-      for (int i = 0; i < 4; ++i) {
-        pixels[i] = light_[row[std::clamp(left + i - 1, 0, image_.width - 1)]];
-      }
-      return pixels;
-    };
-    return interpolated(row_of, static_cast<float>(x - left), static_cast<float>(y - top));
-  }
-
- private:
-  GrayView image_;
-  const std::array<float, 256>& light_;
-};
+// The same for such a place.
+float light_inside(const SampledLight& light, PixelPoint at) {
+  const int left = static_cast<int>(at.x), top = static_cast<int>(at.y);
+  const float* corner = light.row(top - 1) + left - 1;
+  const std::ptrdiff_t width = light.width();
+  const auto row_of = [&](int j) { return Eigen::Map<const Eigen::Array4f>(corner + j * width); };
+  return interpolated(row_of, static_cast<float>(at.x - left), static_cast<float>(at.y - top));
+}
 
 // A thin line: its samples are taken at start + i * step.
 struct ThinLine {
@@ -92,15 +76,20 @@ struct ThinLine {
 };
 
 // Adds the light along one thin line to `line`.
-void add_light(const GrayView& image, const LineFrame& frame, double offset, ScanLine& line) {
-  const LightBetween light(image);
+void add_light(SampledLight& light, const LineFrame& frame, double offset, ScanLine& line) {
+  if (line.empty()) return;
   const ThinLine thin{frame.pixel(0.5, offset), frame.step * frame.across};
   std::size_t first = 0, end = line.size();
-  while (first < end && !light.is_inside(thin.at(first))) ++first;
-  while (end > first && !light.is_inside(thin.at(end - 1))) --end;
-  for (std::size_t i = 0; i < first; ++i) line[i] += light.anywhere(thin.at(i));
-  for (std::size_t i = first; i < end; ++i) line[i] += light.inside(thin.at(i));
-  for (std::size_t i = end; i < line.size(); ++i) line[i] += light.anywhere(thin.at(i));
+  const auto [top, bottom] = std::minmax({thin.at(first).y, thin.at(end - 1).y});
+  const auto row_at = [&](double y) {
+    return static_cast<int>(std::clamp(y, 0.0, light.height() - 1.0));
+  };
+  light.make_rows(row_at(top) - 1, row_at(bottom) + 2);
+  while (first < end && !has_light_at(light, thin.at(first))) ++first;
+  while (end > first && !has_light_at(light, thin.at(end - 1))) --end;
+  for (std::size_t i = 0; i < first; ++i) line[i] += light_at(light, thin.at(i));
+  for (std::size_t i = first; i < end; ++i) line[i] += light_inside(light, thin.at(i));
+  for (std::size_t i = end; i < line.size(); ++i) line[i] += light_at(light, thin.at(i));
 }
 
 // The thin lines that a thick one is the mean of: how many, and where one of them runs.
@@ -152,7 +141,7 @@ namespace {
 
 // How far the bars lean from the frame's own `along`, radians: so that a thick line is sharpest.
 // Its rows are taken once and moved against each other by whole samples.
-double lean_of(const GrayView& image, const LineFrame& frame, double thickness) {
+double lean_of(SampledLight& light, const LineFrame& frame, double thickness) {
   constexpr double kDegree = std::numbers::pi / 180;
   const int rows = rows_of(thickness);
   const double farthest = thickness / 2 * std::sin(kBarLines.most_lean * kDegree);
@@ -163,7 +152,7 @@ double lean_of(const GrayView& image, const LineFrame& frame, double thickness) 
   std::vector<ScanLine> lines;
   for (int row = 0; row < rows; ++row) {
     lines.emplace_back(longer.count, 0.0F);
-    add_light(image, longer, row_offset(row, rows, thickness), lines.back());
+    add_light(light, longer, row_offset(row, rows, thickness), lines.back());
   }
   double best = -1, lean = 0;
   for (int degrees = -kBarLines.most_lean; degrees <= kBarLines.most_lean; ++degrees) {
@@ -185,24 +174,23 @@ double lean_of(const GrayView& image, const LineFrame& frame, double thickness) 
 
 }  // namespace
 
-LineFrame line_frame_for(const GrayView& image, const BarRegion& region) {
+LineFrame line_frame_for(SampledLight& light, const BarRegion& region) {
   constexpr double kStepsPerModule = 5;
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / 95 / kStepsPerModule, 0.2, 2.0);
   const auto [low, high] =
-      inside(image, region.centre, region.across, region.length * (0.5 + kBarLines.beyond));
+      inside(light.image(), region.centre, region.across, region.length * (0.5 + kBarLines.beyond));
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
-  frame.along = turned(frame.along, lean_of(image, frame, region.height));
+  frame.along = turned(frame.along, lean_of(light, frame, region.height));
   return frame;
 }
 
-ScanLine light_along(const GrayView& image, const LineFrame& frame, double offset,
-                     double thickness) {
+ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset, double thickness) {
   const int rows = rows_of(thickness);
   ScanLine line(frame.count, 0.0F);
   for (int row = 0; row < rows; ++row) {
-    add_light(image, frame, offset + row_offset(row, rows, thickness), line);
+    add_light(light, frame, offset + row_offset(row, rows, thickness), line);
   }
   for (float& sample : line) sample /= static_cast<float>(rows);
   return line;
@@ -225,17 +213,17 @@ int count_of_bars(const std::vector<float>& darkness) {
 
 }  // namespace
 
-bool has_bars(const GrayView& image, const BarRegion& region) {
+bool has_bars(SampledLight& light, const BarRegion& region) {
   constexpr double kStepsPerModule = 3;
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / kModuleCount / kStepsPerModule, 0.25, 8.0);
-  const auto [low, high] = inside(image, region.centre, region.across, 0.5 * region.length);
+  const auto [low, high] = inside(light.image(), region.centre, region.across, 0.5 * region.length);
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
   if (frame.count < 60) return false;
   return std::ranges::any_of(std::array{-0.1, 0.1, 0.3}, [&](double share) {
     const ScanLine line =
-        light_along(image, frame, share * region.height, std::min(12.0, region.height / 8));
+        light_along(light, frame, share * region.height, std::min(12.0, region.height / 8));
     return count_of_bars(local_darkness(line, line.size() / 10)) >= kBarLines.least_bars;
   });
 }

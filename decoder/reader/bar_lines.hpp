@@ -3,8 +3,8 @@
 #pragma once
 
 #include "decoder/feature_frame/bar_regions.hpp"
-#include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
+#include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 
 namespace tagsmith::detail {
@@ -26,15 +26,14 @@ struct LineFrame {
 
 // Axes for lines that reach beyond the region by half its length on both sides, as far as the
 // image does, with the bars' direction such that the mean over the region's height is sharpest.
-LineFrame line_frame_for(const GrayView& image, const BarRegion& region);
+LineFrame line_frame_for(SampledLight& light, const BarRegion& region);
 
 // Mean light of the line at `offset` pixels along the bars, over `thickness` pixels of their
 // length.
-ScanLine light_along(const GrayView& image, const LineFrame& frame, double offset,
-                     double thickness);
+ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset, double thickness);
 
 // Whether one of three lines across a region shows as many bars as a third of a symbol has: a
 // quick look.
-bool has_bars(const GrayView& image, const BarRegion& region);
+bool has_bars(SampledLight& light, const BarRegion& region);
 
 }  // namespace tagsmith::detail

@@ -201,7 +201,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
 void Detector::look_at(const BarRegion& region) {
   const auto followed_bars = std::ranges::count(found_.all(), Source::bars, &TagHypothesis::source);
   if (std::cmp_equal(followed_bars, kSearch.most_tries)) return;
-  const auto bars = locate_bars(picture_.image(), region);
+  const auto bars = locate_bars(picture_.light, region);
   if (!bars) return;
   found_.keep({.source = Source::bars});
   const GrayView half = picture_.pyramid().scaled_down(2).level.image;

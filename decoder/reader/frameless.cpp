@@ -287,7 +287,7 @@ struct ReadRegion {
 };
 
 // Nothing where the bars are not much like a symbol.
-std::optional<ReadRegion> read_region(const GrayView& image, const BarRegion& region,
+std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& region,
                                       const ReadOptions& options) {
   // Beyond these a refusal is not worth telling: any texture is explained by enough blur.
   const LineFrame frame = line_frame_for(image, region);
@@ -336,7 +336,7 @@ FramelessResult read_frameless(SearchedImage& picture, const ReadOptions& option
   for (std::size_t i = 0; i < std::min(regions.size(), kSearch.most_tries); ++i) {
     const BarRegion& region = regions[i];
     if (is_read(region.centre)) continue;
-    auto read = read_region(picture.image(), region, options);
+    auto read = read_region(picture.light, region, options);
     if (!read) continue;
     // Bars seen at two reductions of the image are the same.
     const PixelPoint centre = centre_of_bars(read->symbol);

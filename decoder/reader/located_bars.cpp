@@ -49,7 +49,7 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
 
 }  // namespace
 
-std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region) {
+std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region) {
   const LineFrame frame = line_frame_for(image, region);
   auto first = first_line(image, frame, region, Wanted::alignment);
   if (!first) return std::nullopt;

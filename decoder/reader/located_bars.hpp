@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "decoder/feature_frame/bar_regions.hpp"
-#include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
+#include "decoder/reader/sampled_light.hpp"
 
 namespace tagsmith::detail {
 
@@ -27,6 +27,6 @@ struct LocatedBars {
 };
 
 // Follows the bars of a region line by line; nothing where they are not much like a symbol.
-std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region);
+std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region);
 
 }  // namespace tagsmith::detail

@@ -76,13 +76,13 @@ void drop_strays(std::vector<ReadLine>& lines) {
       lines, [&](const ReadLine& line) { return line.reading.alignment.cost_per_module > most; });
 }
 
-bool is_inside(const GrayView& image, PixelPoint at) {
-  return at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
+bool is_inside(const SampledLight& image, PixelPoint at) {
+  return at.x >= 0 && at.y >= 0 && at.x <= image.width() - 1 && at.y <= image.height() - 1;
 }
 
 }  // namespace
 
-std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame,
+std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
                                    const BarRegion& region, Wanted wanted) {
   const double nominal_module = region.length / kModuleCount / frame.step;
   std::vector<ReadLine> lines;
@@ -122,7 +122,7 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   return first;
 }
 
-RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarRegion& region,
+RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
                        ReadLine first, Wanted wanted) {
   const BarLook& look = best_look(first, wanted);
   RegionScan scan{frame, std::max(1.0, region.height / kBarLines.lines), &look, {}};

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "decoder/feature_frame/bar_regions.hpp"
-#include "decoder/image/gray.hpp"
 #include "decoder/reader/bar_lines.hpp"
+#include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 
 namespace tagsmith::detail {
@@ -47,12 +47,12 @@ SymbolPlace place_of(const ElasticAlignment& alignment);
 
 // The line to start from, of three thick ones, and its reading: the best of the places whose guard
 // patterns suit best, in either direction. Nothing where none is like a symbol.
-std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame,
+std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
                                    const BarRegion& region, Wanted wanted);
 
 // Reads some lines of the region (kBarLines.lines) from the first one outwards, each where its
 // neighbour was, by the look of the bars that suits the first one best.
-RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarRegion& region,
+RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
                        ReadLine first, Wanted wanted);
 
 }  // namespace tagsmith::detail

@@ -7,6 +7,7 @@
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/pyramid.hpp"
+#include "decoder/reader/sampled_light.hpp"
 
 namespace tagsmith::detail {
 
@@ -14,9 +15,9 @@ namespace tagsmith::detail {
 // The image's samples must outlive it.
 class SearchedImage {
  public:
-  explicit SearchedImage(const GrayView& image) : image_(image) {}
+  explicit SearchedImage(const GrayView& image) : light(image) {}
 
-  const GrayView& image() const { return image_; }
+  const GrayView& image() const { return light.image(); }
 
   const Pyramid& pyramid();
 
@@ -25,8 +26,9 @@ class SearchedImage {
   // at, so that modules below about one pixel of the next one are missed.
   const std::vector<BarRegion>& bars();
 
+  SampledLight light;
+
  private:
-  GrayView image_;
   std::optional<Pyramid> pyramid_;
   std::optional<std::vector<BarRegion>> bars_;
 };

@@ -32,7 +32,8 @@ TEST_CASE("lines run across the bars, beyond them by half of their length") {
     tag.width = tag.height = 600;
     tag.view.middle = {300, 300};
     const GrayImage image = tag.image();
-    const LineFrame frame = line_frame_for(image.view(), tag.region());
+    SampledLight light(image.view());
+    const LineFrame frame = line_frame_for(light, tag.region());
     CHECK(distance(frame.centre, tag.region().centre) < 1e-9);
     CHECK(distance(frame.across, {std::cos(turn), std::sin(turn)}) < 1e-9);
     CHECK(distance(frame.along, {-std::sin(turn), std::cos(turn)}) < 1e-9);
@@ -51,7 +52,8 @@ TEST_CASE("lines end where the picture does") {
   SeenTag tag = turned_bars();
   tag.view.middle = {120, 140};
   const GrayImage image = tag.image();
-  const LineFrame frame = line_frame_for(image.view(), tag.region());
+  SampledLight light(image.view());
+  const LineFrame frame = line_frame_for(light, tag.region());
   CHECK(frame.pixel(0, 0).x == doctest::Approx(-0.5));
   const double end = frame.pixel(static_cast<double>(frame.count), 0).x;
   CHECK(end <= 299.5);
@@ -65,7 +67,8 @@ TEST_CASE("bars that lean from the region's own direction are followed to a degr
     BarRegion region = tag.region();
     region.across = {1, 0};
     const GrayImage image = tag.image();
-    const LineFrame frame = line_frame_for(image.view(), region);
+    SampledLight light(image.view());
+    const LineFrame frame = line_frame_for(light, region);
     const double angle = std::atan2(-frame.along.x, frame.along.y);
     CHECK(std::abs(angle - lean) < 0.018);
   }
@@ -74,10 +77,11 @@ TEST_CASE("bars that lean from the region's own direction are followed to a degr
 TEST_CASE("a line holds the light of the picture, averaged along the bars") {
   const SeenTag tag = turned_bars(0.4);
   const GrayImage image = tag.image();
-  const LineFrame frame = line_frame_for(image.view(), tag.region());
+  SampledLight light(image.view());
+  const LineFrame frame = line_frame_for(light, tag.region());
   for (const double offset : {-15.0, 0.0, 11.3}) {
     CAPTURE(offset);
-    const ScanLine line = light_along(image.view(), frame, offset, 8);
+    const ScanLine line = light_along(light, frame, offset, 8);
     REQUIRE(line.size() == frame.count);
     double worst = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -89,8 +93,8 @@ TEST_CASE("a line holds the light of the picture, averaged along the bars") {
   }
   // Across the bars' end half of the thickness shows bars.
   const double end = distance(tag.region().centre, tag.view.pixel({0, tag.bars_bottom}));
-  const ScanLine amid = light_along(image.view(), frame, 0, 8);
-  const ScanLine at_end = light_along(image.view(), frame, end, 8);
+  const ScanLine amid = light_along(light, frame, 0, 8);
+  const ScanLine at_end = light_along(light, frame, end, 8);
   for (std::size_t i = 0; i < amid.size(); i += 3) {
     const double half = 0.5 * (static_cast<double>(amid[i]) + tag.white);
     CHECK(static_cast<double>(at_end[i]) == doctest::Approx(half).epsilon(0.05));
@@ -101,7 +105,8 @@ TEST_CASE("a symbol has bars, also where half of it is covered") {
   SeenTag tag = turned_bars(0.3);
   const auto has = [](const SeenTag& seen) {
     const GrayImage image = seen.image();
-    return has_bars(image.view(), seen.region());
+    SampledLight light(image.view());
+    return has_bars(light, seen.region());
   };
   CHECK(has(tag));
   tag.covers = {{-60, -40, -8, 40, 0.3}};
@@ -118,7 +123,8 @@ TEST_CASE("what changes less often than a third of a symbol has no bars") {
         image.samples.push_back(is_dark(x, y) ? std::uint8_t{60} : std::uint8_t{210});
       }
     }
-    return has_bars(image.view(), region);
+    SampledLight light(image.view());
+    return has_bars(light, region);
   };
   const auto bars_of = [](int period) {
     return [period](int x, int) { return x % period < period / 2; };

@@ -24,7 +24,8 @@ SeenTag bare_symbol(double turn, PixelPoint slant) {
 
 std::optional<LocatedBars> located(const SeenTag& tag) {
   const GrayImage image = tag.image();
-  return locate_bars(image.view(), tag.region());
+  SampledLight light(image.view());
+  return locate_bars(light, tag.region());
 }
 
 }  // namespace

@@ -23,26 +23,28 @@ SeenTag slanted_bars(double turn = 0) {
   return tag;
 }
 
-// A picture of a symbol with the lines across its bars.
+// A picture of a symbol with its light and the lines across its bars.
 struct Lines {
   explicit Lines(const SeenTag& tag)
       : seen(tag),
         image(tag.image()),
+        light(image.view()),
         region(tag.region()),
-        frame(line_frame_for(image.view(), region)) {}
+        frame(line_frame_for(light, region)) {}
 
   std::optional<ReadLine> first(Wanted wanted = Wanted::digits) {
-    return first_line(image.view(), frame, region, wanted);
+    return first_line(light, frame, region, wanted);
   }
 
   RegionScan scan(Wanted wanted = Wanted::digits) {
     auto line = first(wanted);
     REQUIRE(line);
-    return scan_region(image.view(), frame, region, *std::move(line), wanted);
+    return scan_region(light, frame, region, *std::move(line), wanted);
   }
 
   SeenTag seen;
   GrayImage image;
+  SampledLight light;
   BarRegion region;
   LineFrame frame;
 };
@@ -77,7 +79,7 @@ TEST_CASE("the first line reads the symbol, in whichever direction it runs") {
     Lines lines(slanted_bars(turn));
     if (turn > 3) {  // seen from the other end
       lines.region.across = -1 * lines.region.across;
-      lines.frame = line_frame_for(lines.image.view(), lines.region);
+      lines.frame = line_frame_for(lines.light, lines.region);
     }
     const auto first = lines.first();
     REQUIRE(first);
@@ -109,7 +111,7 @@ TEST_CASE("what is no symbol, or not of the region's size, has no first line") {
   CHECK(!Lines(tag).first());
   Lines lines(slanted_bars());
   lines.region.length *= 3;
-  CHECK(!first_line(lines.image.view(), lines.frame, lines.region, Wanted::digits));
+  CHECK(!first_line(lines.light, lines.frame, lines.region, Wanted::digits));
 }
 
 TEST_CASE("lines are read over the whole height of the bars, each where it lies") {
