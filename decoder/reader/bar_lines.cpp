@@ -12,6 +12,8 @@
 
 #include <Eigen/Core>
 
+#include "decoder/image/line_levels.hpp"
+#include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/running.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -211,19 +213,37 @@ int count_of_bars(const std::vector<float>& darkness) {
   return bars;
 }
 
+// What light_along() gives, to the whole grey level and as linear interpolation has it: a quick
+// look needs no more.
+ScanLine roughly_along(const GrayView& image, const LineFrame& frame, double offset,
+                       double thickness) {
+  const std::array<float, 256>& light = ToneCurve::of(image).light_table();
+  const int rows = rows_of(thickness);
+  std::vector<double> levels(frame.count);
+  ScanLine line(frame.count, 0.0F);
+  for (int row = 0; row < rows; ++row) {
+    const PixelPoint begin = frame.pixel(0.5, offset + row_offset(row, rows, thickness));
+    sample_line(image, {begin, frame.step * frame.across}, levels);
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      line[i] += light[static_cast<std::size_t>(levels[i] + 0.5)] / static_cast<float>(rows);
+    }
+  }
+  return line;
+}
+
 }  // namespace
 
-bool has_bars(SampledLight& light, const BarRegion& region) {
+bool has_bars(const GrayView& image, const BarRegion& region) {
   constexpr double kStepsPerModule = 3;
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / kModuleCount / kStepsPerModule, 0.25, 8.0);
-  const auto [low, high] = inside(light.image(), region.centre, region.across, 0.5 * region.length);
+  const auto [low, high] = inside(image, region.centre, region.across, 0.5 * region.length);
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
   if (frame.count < 60) return false;
   return std::ranges::any_of(std::array{-0.1, 0.1, 0.3}, [&](double share) {
     const ScanLine line =
-        light_along(light, frame, share * region.height, std::min(12.0, region.height / 8));
+        roughly_along(image, frame, share * region.height, std::min(12.0, region.height / 8));
     return count_of_bars(local_darkness(line, line.size() / 10)) >= kBarLines.least_bars;
   });
 }

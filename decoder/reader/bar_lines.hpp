@@ -34,6 +34,6 @@ ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset,
 
 // Whether one of three lines across a region shows as many bars as a third of a symbol has: a
 // quick look.
-bool has_bars(SampledLight& light, const BarRegion& region);
+bool has_bars(const GrayView& image, const BarRegion& region);
 
 }  // namespace tagsmith::detail

@@ -105,8 +105,7 @@ TEST_CASE("a symbol has bars, also where half of it is covered") {
   SeenTag tag = turned_bars(0.3);
   const auto has = [](const SeenTag& seen) {
     const GrayImage image = seen.image();
-    SampledLight light(image.view());
-    return has_bars(light, seen.region());
+    return has_bars(image.view(), seen.region());
   };
   CHECK(has(tag));
   tag.covers = {{-60, -40, -8, 40, 0.3}};
@@ -123,8 +122,7 @@ TEST_CASE("what changes less often than a third of a symbol has no bars") {
         image.samples.push_back(is_dark(x, y) ? std::uint8_t{60} : std::uint8_t{210});
       }
     }
-    SampledLight light(image.view());
-    return has_bars(light, region);
+    return has_bars(image.view(), region);
   };
   const auto bars_of = [](int period) {
     return [period](int x, int) { return x % period < period / 2; };
