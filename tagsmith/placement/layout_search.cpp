@@ -177,9 +177,10 @@ std::vector<Layout> LayoutSearch::plates(const Layout& layout) const {
 
 std::vector<Layout> LayoutSearch::heights(const Layout& layout) const {
   std::vector<Layout> all;
-  for (double height = 0.2; height < std::min(survey_.tunnel.height.least(), 4.0); height += 0.2) {
+  const double most = std::min(survey_.tunnel.height.least(), 4.0);
+  for (int decimetres = 2; decimetres < 10 * most; decimetres += 2) {
     Layout other = layout;
-    other.series.mount_height = std::round(height * 100) / 100;
+    other.series.mount_height = decimetres / 10.0;
     if (hangs_in_tunnel(other)) all.push_back(other);
   }
   return all;

@@ -132,8 +132,10 @@ void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
     layer.add(Words{sigma_text(sigma), place, 0.0018, 0, TextAlign::right, TextLevel::middle});
   }
   const double step = round_step((axes.to - axes.from) / 10);
-  for (double chainage = std::ceil(axes.from / step) * step; chainage <= axes.to + 1e-9;
-       chainage += step) {
+  const double first = std::ceil(axes.from / step) * step;
+  const int steps = static_cast<int>(std::floor((axes.to - first + 1e-9) / step));
+  for (int i = 0; i <= steps; ++i) {
+    const double chainage = first + i * step;
     SketchPoint place = axes.at(chainage, axes.least);
     place.paper.y() -= 0.004;
     layer.add(Words{format_number(chainage, 2) + " m", place, 0.0018, 0, TextAlign::centre,

@@ -37,6 +37,7 @@ void attach_jpeg(cairo_surface_t* pixels, const std::string& jpeg) {
   const cairo_status_t attached = cairo_surface_set_mime_data(
       pixels, CAIRO_MIME_TYPE_JPEG, reinterpret_cast<const unsigned char*>(copy->data()),
       copy->size(), destroy, copy.get());
+  // NOLINTNEXTLINE(bugprone-unused-return-value): the surface owns the copy from here on.
   if (attached == CAIRO_STATUS_SUCCESS) copy.release();
 }
 

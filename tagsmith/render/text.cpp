@@ -7,6 +7,7 @@
 #include <memory>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <pango/pangocairo.h>
 
 #include "tagsmith/base/printable.hpp"
@@ -188,7 +189,7 @@ std::vector<std::string> lines_of(const std::string& text, double width, double 
   std::vector<std::string> lines;
   std::string line;
   for (const std::string& word : split(printable_text(text), ' ')) {
-    const std::string longer = line.empty() ? word : line + " " + word;
+    const std::string longer = line.empty() ? word : fmt::format("{} {}", line, word);
     if (!line.empty() && text_width(longer, height) > width) {
       lines.push_back(line);
       line = word;

@@ -190,6 +190,7 @@ std::vector<std::string> instructions(const TagDrawing& tag, const TilePlan& pla
   return {
       "1. Print all " + std::to_string(plan.tiles()) +
           " sheets at 100 %, without fitting to the page. Measure both 100 mm bars on each.",
+      // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): one instruction.
       "2. Cut off the left border of every sheet from column 2 on, and the upper border of every "
       "sheet from row B on, at the corner marks.",
       "3. Row by row: lay each sheet on its left neighbour, its cut edge on the dashed line, the "

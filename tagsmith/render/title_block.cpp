@@ -54,8 +54,9 @@ void add_fields(SheetLayer& layer, const std::vector<TitleField>& fields, const 
     layer.items.push_back(SheetLine{{{x, box.min().y()}, {x, box.max().y()}}, line});
   }
   for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::size_t row = i / columns;
     const Vector2d corner = box.min() + Vector2d(static_cast<double>(i % columns) * cell.x(),
-                                                 static_cast<double>(i / columns) * cell.y());
+                                                 static_cast<double>(row) * cell.y());
     const double width = cell.x() - kBlockPadding;
     add_text(layer, fields[i].name, corner + Vector2d(kBlockPadding / 2, 0.0028), kFieldNameHeight,
              width, colours::kGrey);

@@ -109,7 +109,7 @@ PlanStrip longest_strip(const Survey& survey, double from, double to, const Vect
   double count = std::floor(room.x() / step);
   const double first = std::floor(from / step + 1e-9) * step;
   while (true) {
-    const PlanStrip strip = make_strip(line, from, std::min(to, first + count * step));
+    PlanStrip strip = make_strip(line, from, std::min(to, first + count * step));
     if (count <= 1 || fits(strip)) return strip;
     --count;
   }
@@ -253,7 +253,7 @@ std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper, const Plan
   const double needed = (extent_of(survey, whole).array() / room.array()).maxCoeff();
   double scale = coarsest_plan_scale(survey, least);
   if (needed <= scale) return {whole};
-  const double by_count = (to - from) / (kMostStrips / 2 * room.x());
+  const double by_count = (to - from) / (kMostStrips / 2.0 * room.x());
   scale = round_scale(std::max(scale, by_count));
   return cut_into_strips(survey, from, to, room * scale);
 }

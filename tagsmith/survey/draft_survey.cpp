@@ -439,7 +439,7 @@ Result<TagSeries> propose_series(const Tunnel& tunnel, const TagTemplate& tag,
                     format_number(series.first, 3), format_number(last, 3),
                     format_number(tunnel.centerline.length(), 3)));
   }
-  if (count >= kMostTags / 2) return fail("more than a million plates: a wider --spacing");
+  if (count >= kMostTags / 2.0) return fail("more than a million plates: a wider --spacing");
   series.pairs = 1 + static_cast<int>(count);
   return series;
 }

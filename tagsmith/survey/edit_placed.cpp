@@ -75,7 +75,7 @@ std::string placed_entry(const Survey& survey, const AsBuiltPlace& place) {
   std::ranges::move(measured_values(place), std::back_inserter(values));
   values.emplace_back("digits", digits_text(tag));
   std::vector<std::string> words;
-  for (const auto& [key, value] : values) words.push_back(key + ": " + value);
+  for (const auto& [key, value] : values) words.push_back(fmt::format("{}: {}", key, value));
   return fmt::format("{{ {} }}", fmt::join(words, ", "));
 }
 

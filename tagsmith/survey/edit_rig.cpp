@@ -75,7 +75,7 @@ Result<std::string> with_sigma(const std::string& text, const std::vector<std::s
   }
   for (const SigmaPart& part : parts) value += fmt::format("{}: {}, ", part.key, part.value);
   value.resize(value.size() - 2);
-  const Result<std::string> without = remove_yaml_keys(text, path, {"sigma"});
+  Result<std::string> without = remove_yaml_keys(text, path, {"sigma"});
   if (!without) return without;
   return edit_yaml(*without, {{path, "sigma", "{ " + value + " }", ""}});
 }
@@ -109,9 +109,9 @@ Result<std::string> rig_with_calibration(std::string_view rig_text, const std::s
   const Result<YamlNode> map = camera_map(rig_text, camera);
   if (!map) return fail(map.error().message);
   const std::vector<std::string> path{"cameras", camera};
-  const Result<std::string> without = remove_yaml_keys(rig_text, path, replaced_keys());
+  Result<std::string> without = remove_yaml_keys(rig_text, path, replaced_keys());
   if (!without) return without;
-  const Result<std::string> with_file =
+  Result<std::string> with_file =
       edit_yaml(*without, {{path, "calibration", calibration_value(intrinsics), ""}});
   if (!with_file) return with_file;
   return with_sigma(*with_file, path, value_at(*map, "sigma"),
@@ -123,7 +123,7 @@ Result<std::string> rig_with_mounting(std::string_view rig_text, const std::stri
   const Result<YamlNode> map = camera_map(rig_text, camera);
   if (!map) return fail(map.error().message);
   const std::vector<std::string> path{"cameras", camera};
-  const Result<std::string> without =
+  Result<std::string> without =
       remove_yaml_keys(rig_text, path, {"alpha", "yaw", "pitch", "roll", "position"});
   if (!without) return without;
   // The last becomes the first.
@@ -139,7 +139,7 @@ Result<std::string> rig_with_mounting(std::string_view rig_text, const std::stri
   edits.push_back({path, "roll", decimal_text(degrees(mounting.angles.roll), 3), ""});
   edits.push_back({path, "pitch", decimal_text(degrees(mounting.angles.pitch), 3), ""});
   edits.push_back({path, "yaw", decimal_text(degrees(mounting.angles.yaw), 3), ""});
-  const Result<std::string> with_angles = edit_yaml(*without, edits);
+  Result<std::string> with_angles = edit_yaml(*without, edits);
   if (!with_angles) return with_angles;
   std::vector<SigmaPart> sigmas;
   if (mounting.position_sigma > 0) {

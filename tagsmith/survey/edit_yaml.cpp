@@ -304,7 +304,7 @@ Result<Replacement> items_appended(std::string_view text, const YamlNode* list,
   const auto first = offset_of(text, list->items.back().place, "");
   const std::size_t line = text.rfind('\n', *first) + 1;  // npos + 1 = 0
   const std::string indent(text.find('-', line) - line, ' ');
-  for (const std::string& item : appended) lines += indent + "- " + item + "\n";
+  for (const std::string& item : appended) lines += fmt::format("{}- {}\n", indent, item);
   return Replacement{*end, 0, (text[*end - 1] == '\n' ? "" : "\n") + lines};
 }
 

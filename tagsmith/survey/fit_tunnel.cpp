@@ -267,14 +267,15 @@ std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& all, const P
   for (std::size_t i = 0; i < all.size(); i += step) points.push_back(all[i]);
   std::vector<double> sizes;
   for (const double residual : best.residuals) sizes.push_back(std::abs(residual));
-  const double least = std::max(kStep * tolerance, 2 * median(std::move(sizes)));
-  for (double tried = least; tried < kGreatest; tried *= kStep) {
+  double tried = std::max(kStep * tolerance, 2 * median(std::move(sizes)));
+  while (tried < kGreatest) {
     const double rounded = std::ceil(100 * tried) / 100;
     const std::optional<PlanFit> fit = fit_plan(points, rounded, kMostFittedElements);
     if (!fit || rounded > kOfWidth * fit->width) return std::nullopt;
     const auto residuals = Eigen::Map<const VectorXd>(
         fit->residuals.data(), static_cast<Eigen::Index>(fit->residuals.size()));
     if (residuals.cwiseAbs().maxCoeff() <= rounded) return Roughness{rms(residuals), rounded};
+    tried *= kStep;
   }
   return std::nullopt;
 }

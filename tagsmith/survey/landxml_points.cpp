@@ -219,7 +219,8 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
     const int line = lines.line_of(node);
     const auto piece = read_piece(node);
     const bool closes = piece && (along(*piece, piece->length) - piece->end).norm() <= kGap * metre;
-    if (!closes || (sampled += piece->length) > kLongest * metre) {
+    if (closes) sampled += piece->length;
+    if (!closes || sampled > kLongest * metre) {
       log.error(
           {line, 0}, "bad-element",
           fmt::format("{} of alignment {}: {}", node.name(), name.substr(0, 60),
