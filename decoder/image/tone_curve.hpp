@@ -22,6 +22,12 @@ class ToneCurve {
 
   double light_of(int sample) const { return light_[static_cast<std::size_t>(sample)]; }
 
+  // The light of the sample nearest to a level between samples, 0-255.
+  float light_near(double level) const {
+    const double rounded = level + 0.5;
+    return light_table_[static_cast<std::size_t>(rounded)];
+  }
+
   // The light of every sample, in single precision.
   const std::array<float, 256>& light_table() const { return light_table_; }
 

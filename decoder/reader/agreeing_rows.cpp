@@ -257,7 +257,7 @@ class Modulation {
 // clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
 // other way round, the clear cells are the occluder.
 std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_module) {
-  const std::size_t reach = static_cast<std::size_t>(kNearModules * per_module);
+  const std::size_t reach = kNearModules * static_cast<std::size_t>(per_module);
   std::vector<bool> certain(sums.size());
   Modulation clear, covered;
   const auto count = [&](const BinSums& bin, double sign) {

@@ -53,7 +53,7 @@ float median_of(std::vector<float>& values) {
 class Symbol {
  public:
   Symbol(const GrayView& image, const BarField& field)
-      : light_(ToneCurve::of(image).light_table()),
+      : tone_(ToneCurve::of(image)),
         image_(image),
         field_(field),
         image_from_unit_(field.corners, field.lens) {}
@@ -68,13 +68,14 @@ class Symbol {
     std::array<double, kInWindow> levels;
     sample_line(image_, {begin + 0.5 * step, step}, levels);
     WindowRow row;
-    std::ranges::transform(levels, row.light.begin(), [&](double at) { return light_of(at); });
+    std::ranges::transform(levels, row.light.begin(),
+                           [&](double level) { return tone_.light_near(level); });
     if (field_.in_shadow) even_out(row);
     return row;
   }
 
   float light(double u, double v) const {
-    return light_of(sample_bilinear(image_, image_from_unit_(u, v)));
+    return tone_.light_near(sample_bilinear(image_, image_from_unit_(u, v)));
   }
 
   double middle_of(std::size_t window) const {
@@ -127,9 +128,7 @@ class Symbol {
   }
 
   // In light a blurred end is where half of the contrast is left; in grey levels it is not.
-  float light_of(double level) const { return light_[static_cast<std::size_t>(level + 0.5)]; }
-
-  const std::array<float, 256>& light_;  // by grey level
+  const ToneCurve& tone_;
   GrayView image_;
   BarField field_;
   FrameHomography image_from_unit_;

@@ -217,7 +217,7 @@ int count_of_bars(const std::vector<float>& darkness) {
 // look needs no more.
 ScanLine roughly_along(const GrayView& image, const LineFrame& frame, double offset,
                        double thickness) {
-  const std::array<float, 256>& light = ToneCurve::of(image).light_table();
+  const ToneCurve& tone = ToneCurve::of(image);
   const int rows = rows_of(thickness);
   std::vector<double> levels(frame.count);
   ScanLine line(frame.count, 0.0F);
@@ -225,7 +225,7 @@ ScanLine roughly_along(const GrayView& image, const LineFrame& frame, double off
     const PixelPoint begin = frame.pixel(0.5, offset + row_offset(row, rows, thickness));
     sample_line(image, {begin, frame.step * frame.across}, levels);
     for (std::size_t i = 0; i < line.size(); ++i) {
-      line[i] += light[static_cast<std::size_t>(levels[i] + 0.5)] / static_cast<float>(rows);
+      line[i] += tone.light_near(levels[i]) / static_cast<float>(rows);
     }
   }
   return line;

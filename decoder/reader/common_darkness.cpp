@@ -322,7 +322,7 @@ void anchor(std::vector<Agreed>& agreed, std::size_t per_module) {
     values.value.push_back(at.darkness);
     values.known.push_back(at.weight > 0);
   }
-  const auto levels = levels_near(values, 2 * kNearModules, per_module);
+  const auto levels = levels_near(values, std::size_t{2} * kNearModules, per_module);
   for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
     if (agreed[bin].weight == 0) continue;
     const float contrast = std::max(levels[bin].high - levels[bin].low, 0.1F);

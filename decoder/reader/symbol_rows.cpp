@@ -200,7 +200,7 @@ std::vector<float> unevenness_of(const SymbolRows& rows, std::size_t row, std::s
 }  // namespace
 
 void leave_out_plain(SymbolRows& rows) {
-  const auto window = static_cast<std::size_t>(kNearModules * rows.bins_per_module);
+  const auto window = kNearModules * static_cast<std::size_t>(rows.bins_per_module);
   std::vector<std::vector<float>> uneven;
   for (std::size_t row = 0; row < rows.rows; ++row) {
     uneven.push_back(unevenness_of(rows, row, window));
