@@ -2,6 +2,7 @@
 #include "decoder/image/line_levels.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -59,6 +60,17 @@ TEST_CASE("levels along a line are those of the places one by one, to the last b
       CHECK(rounded[i] == sample_inside(view, line.places.at(static_cast<int>(i))));
     }
   }
+}
+
+TEST_CASE("places far off or that are no numbers have levels of the image's border") {
+  const GrayImage image{2, 2, {10, 20, 30, 40}};
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kFar = 1e300;
+  CHECK(sample_bilinear(image.view(), {-kFar, -kFar}) == 10);
+  CHECK(sample_bilinear(image.view(), {kFar, 0}) == doctest::Approx(20).epsilon(1e-3));
+  CHECK(sample_bilinear(image.view(), {kNone, kNone}) == 10);
+  std::vector<double> levels(3);
+  sample_line(image.view(), {{kNone, 0}, {kNone, 0}}, levels);
+  CHECK(levels == std::vector<double>{10, 10, 10});
 }
 
 }  // namespace tagsmith::detail::test
