@@ -27,8 +27,8 @@ inline double interpolate(const GrayView& image, PixelPoint at) {
   return above + fy * (below - above);
 }
 
-// The grey level between pixels; beyond the image that of its border. A coordinate that is no number
-// counts as 0.
+// The grey level between pixels; beyond the image that of its border. A coordinate that is no
+// number counts as 0.
 inline double sample_bilinear(const GrayView& image, PixelPoint at) {
   return interpolate(image, {at.x > 0 ? std::min(at.x, image.width - 1.001) : 0.0,
                              at.y > 0 ? std::min(at.y, image.height - 1.001) : 0.0});
