@@ -335,7 +335,7 @@ std::optional<SideSamples> evenly_lit(const GrayView& image, const SideSamples& 
     return static_cast<std::size_t>(zone_at(sample.along, kEdgeFit.zones));
   };
   const auto light_of = [&](const EdgeSample& sample) {
-    return samples.tone.light_table()[static_cast<std::size_t>(std::lround(sample.value))];
+    return samples.tone.light_near(static_cast<double>(sample.value));
   };
   std::array<std::vector<float>, kEdgeFit.zones> whites;
   for (const EdgeSample& sample : samples.samples) {

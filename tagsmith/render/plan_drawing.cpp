@@ -133,8 +133,7 @@ void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
   }
   const double step = round_step((axes.to - axes.from) / 10);
   const double first = std::ceil(axes.from / step) * step;
-  const int steps = static_cast<int>(std::floor((axes.to - first + 1e-9) / step));
-  for (int i = 0; i <= steps; ++i) {
+  for (int i = 0; first + i * step <= axes.to + 1e-9; ++i) {
     const double chainage = first + i * step;
     SketchPoint place = axes.at(chainage, axes.least);
     place.paper.y() -= 0.004;

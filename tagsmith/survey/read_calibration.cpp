@@ -87,7 +87,8 @@ std::optional<std::vector<double>> read_matrix(const Entry& entry, FindingLog& l
         read_integer(value_at(*entry.value, "rows", log), entry.key + ".rows", 0, kMost, log);
     const auto columns =
         read_integer(value_at(*entry.value, "cols", log), entry.key + ".cols", 0, kMost, log);
-    if (rows && columns && *rows * *columns != static_cast<int>(nodes.size())) {
+    if (rows && columns &&
+        static_cast<std::size_t>(*rows) * static_cast<std::size_t>(*columns) != nodes.size()) {
       log.error(data->place, "wrong-length",
                 entry.key + ".data has " + std::to_string(nodes.size()) + " numbers, expected " +
                     std::to_string(*rows) + " x " + std::to_string(*columns));

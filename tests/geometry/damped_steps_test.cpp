@@ -56,9 +56,9 @@ TEST_CASE("no step is taken that gains nothing") {
 
 TEST_CASE("where equations have no solution the parameters stay as they are") {
   Eigen::Vector2d p(3, 4);
-  const auto singular = [](const Eigen::Vector2d&) {
+  const auto singular = [](const Eigen::Vector2d& at) {
     return Equations{Eigen::Matrix2d::Constant(std::numeric_limits<double>::quiet_NaN()),
-                     Eigen::Vector2d::Ones(), 1};
+                     Eigen::Vector2d::Ones(), at.allFinite() ? 1.0 : 0.0};
   };
   minimise_damped(p, {100, 1e-12}, singular, [](const Eigen::Vector2d&) {});
   CHECK(p == Eigen::Vector2d(3, 4));

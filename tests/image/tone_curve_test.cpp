@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -35,6 +36,13 @@ TEST_CASE("the slope is that of the samples") {
     const float slope = (at(light + step).sample - at(light - step).sample) / (2 * step);
     CHECK(at(light).slope == doctest::Approx(slope).epsilon(0.02));
   }
+}
+
+TEST_CASE("light out of range, or that is no number, has the curve's ends") {
+  const ToneCurve& curve = ToneCurve::srgb();
+  CHECK(curve.point_of(-3).sample == 0);
+  CHECK(static_cast<double>(curve.point_of(7).sample) == doctest::Approx(255));
+  CHECK(curve.point_of(std::numeric_limits<float>::quiet_NaN()).sample == 0);
 }
 
 TEST_CASE("a negative's light is what its picture's lacks") {
