@@ -113,7 +113,10 @@ std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull) {
     }
     removals[(side + 1) % n] = remove_side(polygon, (side + 1) % n);
   }
-  return Quad{polygon[0], polygon[1], polygon[2], polygon[3]};
+  Quad quad{polygon[0], polygon[1], polygon[2], polygon[3]};
+  std::ranges::rotate(quad, std::ranges::min_element(
+                                quad, {}, [](PixelPoint corner) { return corner.x + corner.y; }));
+  return quad;
 }
 
 Quad widened(const Quad& quad, double pixels) {

@@ -43,7 +43,10 @@ class SharpenedProfile {
     const auto reach = static_cast<std::size_t>(std::ceil(kReach * sigma / kStep));
     begin_ = first - static_cast<float>(reach + 1) * kStep;
     const auto count = static_cast<std::size_t>((last - first) / kStep) + 2 * reach + 4;
-    const std::vector<float> plain = levels_of(common, side, count);
+    levels_ = levels_of(common, side, count);
+    const auto amount = static_cast<float>(common[kCommonAmount]);
+    if (amount == 0) return;
+    const std::vector<float> plain = levels_;
     std::vector<float> smooth(count, 0.0F);
     float sum = 0;
     for (std::size_t k = 0; k <= reach; ++k) {
@@ -54,8 +57,6 @@ class SharpenedProfile {
         smooth[i] += weight * (plain[i - k] + plain[i + k]);
       }
     }
-    const auto amount = static_cast<float>(common[kCommonAmount]);
-    levels_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
       levels_[i] = std::clamp(plain[i] + amount * (plain[i] - smooth[i] / sum), 0.0F, 255.0F);
     }

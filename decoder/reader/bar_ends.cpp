@@ -83,8 +83,9 @@ class Symbol {
            (field_.last - field_.first) * (static_cast<double>(window) + 0.5) / kWindows;
   }
 
-  // The bars amid their height: the middle one of `rows` rows at every place.
-  Pattern pattern(std::size_t window, std::size_t rows) const {
+  // The bars amid their height: the middle one of some rows at every place.
+  Pattern pattern(std::size_t window) const {
+    constexpr std::size_t rows = kBarEnds.rows;
     std::vector<WindowRow> seen;
     for (std::size_t i = 0; i < rows; ++i) {
       const double share = 0.15 + 0.7 * (static_cast<double>(i) + 0.5) / static_cast<double>(rows);
@@ -151,29 +152,35 @@ float level_of(const Pattern& pattern, const WindowRow& row, float white) {
 bool has_contrast(const Pattern& pattern) { return pattern.white > pattern.black; }
 
 // Where a window's bars end between two heights; nothing where that does not show.
-std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, double from,
-                                    double to) {
-  const Pattern pattern = symbol.pattern(window, kBarEnds.rows);
-  if (!has_contrast(pattern)) return std::nullopt;
+std::optional<double> end_in_window(const Symbol& symbol, const Pattern& pattern,
+                                    std::size_t window, double from, double to) {
   const double u = symbol.middle_of(window);
   const double pixels = std::abs(to - from) * symbol.pixels_per_v(u, (from + to) / 2);
   const int steps = std::clamp(static_cast<int>(pixels), 4, 400);
   const double step = (to - from) / steps;
   const double step_px = pixels / steps;
+  // Between two rows in which the bars show, so near, too little can be white for an end.
+  const int at_once = static_cast<int>(kBarEnds.beyond_px) + 1;
+  const auto row_at = [&](int k) { return symbol.row(window, from + k * step); };
   std::optional<double> end;
   double before = 0;
   float white = 1;  // of the last row in which the bars show
   double white_px = 0;
   for (int k = 0; k <= steps; ++k) {
-    const double v = from + k * step;
-    const WindowRow row = symbol.row(window, v);
-    const auto share = static_cast<double>(share_of(pattern, row));
+    WindowRow row = row_at(k);
+    auto share = static_cast<double>(share_of(pattern, row));
+    while (share >= kHalfShown && k + at_once <= steps) {
+      const WindowRow next = row_at(k + at_once);
+      const auto next_share = static_cast<double>(share_of(pattern, next));
+      if (next_share < kHalfShown) break;
+      k += at_once, row = next, share = next_share;
+    }
     if (share >= kHalfShown) {
       end.reset();
       white = row.white;
       white_px = 0;
     } else if (k > 0 && before >= kHalfShown) {
-      end = v - step * (kHalfShown - share) / (before - share);
+      end = from + k * step - step * (kHalfShown - share) / (before - share);
     }
     const float level = level_of(pattern, row, white);
     // Something dark in front cuts the bars off before they end.
@@ -230,6 +237,28 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
                  std::sqrt(at_ends + kBarEnds.systematic_px * kBarEnds.systematic_px)};
 }
 
+// Of each window.
+using Patterns = std::array<Pattern, kWindows>;
+
+Patterns patterns_of(const Symbol& symbol) {
+  Patterns patterns;
+  for (std::size_t window = 0; window < kWindows; ++window) {
+    patterns[window] = symbol.pattern(window);
+  }
+  return patterns;
+}
+
+std::optional<BarEnds> ends_between(const Symbol& symbol, const Patterns& patterns, double from,
+                                    double to) {
+  std::vector<WindowEnd> ends;
+  for (std::size_t window = 0; window < kWindows; ++window) {
+    if (!has_contrast(patterns[window])) continue;
+    const auto end = end_in_window(symbol, patterns[window], window, from, to);
+    if (end) ends.push_back({symbol.middle_of(window), *end});
+  }
+  return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
+}
+
 }  // namespace
 
 BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens,
@@ -241,18 +270,15 @@ BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDi
 std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& field, double from,
                                      double to) {
   const Symbol symbol(image, field);
-  std::vector<WindowEnd> ends;
-  for (std::size_t window = 0; window < kWindows; ++window) {
-    const auto end = end_in_window(symbol, window, from, to);
-    if (end) ends.push_back({symbol.middle_of(window), *end});
-  }
-  return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
+  return ends_between(symbol, patterns_of(symbol), from, to);
 }
 
 BothEnds find_both_ends(const GrayView& image, const BarField& field) {
+  const Symbol symbol(image, field);
+  const Patterns patterns = patterns_of(symbol);
   const auto end = [&](double v, double outwards) {
-    return find_bar_ends(image, field, v - outwards * kBarEnds.inside,
-                         v + outwards * kBarEnds.outside);
+    return ends_between(symbol, patterns, v - outwards * kBarEnds.inside,
+                        v + outwards * kBarEnds.outside);
   };
   return {field, end(field.top, -1), end(field.bottom, 1)};
 }
@@ -266,7 +292,7 @@ bool bars_end_near(const GrayView& image, const BarField& field) {
   const double near = std::max(1.5, ends_tolerance_px(field.corners)) / height_of(field.corners);
   std::size_t above = 0, below = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
-    const Pattern pattern = symbol.pattern(window, kBarEnds.rows);
+    const Pattern pattern = symbol.pattern(window);
     if (!has_contrast(pattern)) continue;
     const auto shown = [&](double v) {
       return static_cast<double>(share_of(pattern, symbol.row(window, v))) > kHalfShown;
@@ -316,7 +342,7 @@ double missed_px(const BarField& field, const BarEnds& ends, const Quad& frame, 
 bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
   std::size_t dark = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
-    const Pattern pattern = symbol.pattern(window, kBarEnds.rows);
+    const Pattern pattern = symbol.pattern(window);
     if (!has_contrast(pattern)) continue;
     const double u = symbol.middle_of(window);
     const double end = ends.at(u);

@@ -42,6 +42,7 @@ Reading reading_from(const GrayView& image, SymbolHypothesis symbol, const BothE
   reading.confidence = symbol.decoding.confidence;
   reading.method = method;
   reading.symbol = std::move(symbol);
+  reading.symbol->rows.reset();
   return reading;
 }
 
@@ -86,9 +87,8 @@ std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolH
     return covered;
   }
   if (is_beyond_doubt(decoding)) return std::nullopt;
-  const RobustProfile rows(image, turned_to(symbol.frame, decoding.upside_down ? 2 : 0),
-                           symbol.layout, symbol.profile.is_evened);
-  return halves_contradict(rows, decoding) ? std::optional(covered) : std::nullopt;
+  const auto rows = rows_of(image, turned_to(symbol.frame, decoding.upside_down ? 2 : 0), symbol);
+  return halves_contradict(*rows, decoding) ? std::optional(covered) : std::nullopt;
 }
 
 std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
@@ -108,8 +108,9 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
 }
 
 bool is_symbol_like(const SymbolHypothesis& symbol) {
-  return symbol.decoding.fit.explained > kJudge.like_symbol &&
-         symbol.decoding.guards > kJudge.like_symbol;
+  const Decoding& decoding = symbol.decoding;
+  return decoding.fit.explained > kJudge.like_symbol && decoding.guards > kJudge.like_symbol &&
+         std::abs(decoding.fit.image.growth) <= kJudge.most_growth;
 }
 
 bool may_be_symbol(const SymbolHypothesis& symbol) {
@@ -175,6 +176,7 @@ Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection) {
   rejection.measured = objection.measured;
   rejection.limit = objection.limit;
   rejection.symbol = std::move(symbol);
+  rejection.symbol->rows.reset();
   return rejection;
 }
 

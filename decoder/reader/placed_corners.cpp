@@ -155,15 +155,14 @@ void add_unexplained(double by_lens, SeenOutwards& seen) {
 
 SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol,
                           const BothEnds& ends) {
-  const SymbolLayout& layout = symbol.layout;
-  const RobustProfile rows(image, symbol.frame, layout, symbol.profile.is_evened);
+  const auto rows = rows_of(image, symbol.frame, symbol);
   const auto& [field, upper, lower] = ends;
   // A side that was hidden is where the ends have put it.
   const bool has_upper = upper && symbol.frame.shown[0], has_lower = lower && symbol.frame.shown[2];
   SeenOutwards seen(4 + (has_upper ? 2 : 0) + (has_lower ? 2 : 0));
   seen.ends_show = upper || lower;
-  enter_half({0, 0.5}, 0, symbol, rows, seen);
-  enter_half({0.5, 1}, 2, symbol, rows, seen);
+  enter_half({0, 0.5}, 0, symbol, *rows, seen);
+  enter_half({0.5, 1}, 2, symbol, *rows, seen);
   const double by_lens = lens_variance(symbol);
   add_unexplained(by_lens, seen);
   if (has_upper) enter_ends(*upper, 0, 4, symbol, by_lens, seen);

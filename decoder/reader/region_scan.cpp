@@ -17,14 +17,19 @@ SymbolPlace place_of(const ElasticAlignment& alignment) {
 
 namespace {
 
-// The plain one first.
-const std::vector<BarLook>& looks() {
+// For a first line; the others are made where one was found.
+const BarLook& plain_look() {
+  static const BarLook look{BarShape{}, BarTemplates(BarShape{})};
+  return look;
+}
+
+const std::vector<BarLook>& other_looks() {
   static const auto all = [] {
     std::vector<BarLook> list;
     for (const double blur : {0.5, 0.3, 0.75, 1.05}) {
       for (const double growth : {0.0, -0.3, 0.3}) {
         const BarShape bars{blur, growth};
-        list.push_back({bars, BarTemplates(bars)});
+        if (bars != BarShape{}) list.push_back({bars, BarTemplates(bars)});
       }
     }
     return list;
@@ -51,11 +56,11 @@ std::optional<ElasticReading> read_line(const PlacedLine& line, const BarTemplat
 // The look of the bars that suits the line best, and its reading so.
 const BarLook& best_look(ReadLine& line, Wanted wanted) {
   const SymbolPlace place = place_of(line.reading.alignment);
-  const BarLook* best = &looks().front();
+  const BarLook* best = &plain_look();
   const auto placed = placed_line(line.light, place);
   if (!placed) return *best;
   double least = line.reading.alignment.cost_per_module;
-  for (const BarLook& look : looks()) {
+  for (const BarLook& look : other_looks()) {
     const double cost = elastic_cost(*placed, look.templates, least);
     if (cost >= least) continue;
     least = cost;
@@ -105,7 +110,7 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
     for (const SymbolPlace& way : {place, SymbolPlace{end, -place.module, place.cost}}) {
       const auto placed = placed_line(lines[line].light, way);
       if (!placed) continue;
-      const double cost = elastic_cost(*placed, looks().front().templates, best);
+      const double cost = elastic_cost(*placed, plain_look().templates, best);
       if (cost >= best) continue;
       best = cost;
       found = FirstPlace{line, way};
@@ -116,7 +121,7 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
   ReadLine first = std::move(lines[found->line]);
   const auto placed = placed_line(first.light, found->place);
   if (!placed) return std::nullopt;
-  const auto reading = read_line(*placed, looks().front().templates, wanted);
+  const auto reading = read_line(*placed, plain_look().templates, wanted);
   if (!reading) return std::nullopt;
   first.reading = *reading;
   return first;

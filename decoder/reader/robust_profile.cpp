@@ -105,6 +105,11 @@ PlateLevels even_levels(const RefinedFrame& frame, double white) {
   return levels;
 }
 
+bool are_same(const Quad& a, const Quad& b) {
+  return std::ranges::equal(a, b,
+                            [](PixelPoint p, PixelPoint q) { return p.x == q.x && p.y == q.y; });
+}
+
 }  // namespace
 
 double middle_height(HeightShare part, const SymbolLayout& layout) {
@@ -118,6 +123,12 @@ RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
       frame_(frame),
       rows_(image, frame.corners, frame.lens, layout, RowHeight::coarse) {
   if (even_out_light) white_ = evened(frame, rows_);
+}
+
+bool RobustProfile::is_of(const GrayView& image, const RefinedFrame& frame,
+                          const SymbolLayout& layout, bool evened) const {
+  return image.row(0) == image_.row(0) && are_same(frame.corners, frame_.corners) &&
+         layout == rows_.layout && evened == white_.has_value();
 }
 
 SymbolProfile RobustProfile::finished(ScanProfile bins, const SymbolRows& rows) const {

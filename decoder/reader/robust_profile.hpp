@@ -51,6 +51,10 @@ class RobustProfile {
 
   const SymbolLayout& layout() const { return rows_.layout; }
 
+  // Whether it was made of the same image, frame and layout, with light evened out or not.
+  bool is_of(const GrayView& image, const RefinedFrame& frame, const SymbolLayout& layout,
+             bool evened) const;
+
  private:
   SymbolProfile finished(ScanProfile bins, const SymbolRows& rows) const;
 

@@ -16,16 +16,17 @@
 namespace tagsmith::detail {
 namespace {
 
-// The best explained hypothesis along the symbol direction(s) that are possible. `profile_of` gives
-// the profile of a layout from a first corner on.
-template <class ProfileOf>
+// The best explained hypothesis along the symbol direction(s) that are possible. `rows_of` gives
+// the rows of a layout from a first corner on, `profile_of` their profile.
+template <class RowsOf, class ProfileOf>
 std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const RefinedFrame& frame,
-                                                const ReadOptions& options,
+                                                const ReadOptions& options, const RowsOf& rows_of,
                                                 const ProfileOf& profile_of) {
   const DecodeOptions decode_options{options.check, options.code_book};
   std::optional<SymbolHypothesis> best;
   const auto consider = [&](std::size_t first_corner, const SymbolLayout& layout) {
-    SymbolProfile profile = profile_of(first_corner, layout);
+    auto rows = rows_of(first_corner, layout);
+    SymbolProfile profile = profile_of(*rows);
     ImagingModel start;
     start.blur = std::clamp(profile.blur, 0.1, 3.0);
     start.pixel = profile.pixel;
@@ -34,6 +35,7 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
     if (best && decoding->fit.explained <= best->decoding.fit.explained) return;
     best = SymbolHypothesis{turned_to(frame, (first_corner + (decoding->upside_down ? 2 : 0)) % 4),
                             layout, std::move(profile), *decoding};
+    best->rows = std::move(rows);
   };
   for (const std::size_t first_corner : possible_first_corners(image, frame.corners)) {
     for (const SymbolLayout& layout : options.layouts) consider(first_corner, layout);
@@ -73,16 +75,24 @@ std::vector<std::size_t> possible_first_corners(const GrayView& image, const Qua
   return {0, 1};
 }
 
-const RobustProfile& SymbolLook::seen(std::size_t first_corner, const SymbolLayout& layout,
-                                      bool evened) {
+std::shared_ptr<const RobustProfile> rows_of(const GrayView& image, const RefinedFrame& frame,
+                                             const SymbolHypothesis& symbol) {
+  const bool evened = symbol.profile.is_evened;
+  if (symbol.rows && symbol.rows->is_of(image, frame, symbol.layout, evened)) return symbol.rows;
+  return std::make_shared<RobustProfile>(image, frame, symbol.layout, evened);
+}
+
+std::shared_ptr<const RobustProfile> SymbolLook::seen(std::size_t first_corner,
+                                                      const SymbolLayout& layout, bool evened) {
   const auto same = std::ranges::find_if(seen_, [&](const Seen& other) {
     return other.first_corner == first_corner && other.is_evened == evened &&
-           other.profile.layout() == layout;
+           other.rows->layout() == layout;
   });
-  if (same != seen_.end()) return same->profile;
-  seen_.push_back({first_corner, evened,
-                   RobustProfile(image_, turned_to(frame_, first_corner), layout, evened)});
-  return seen_.back().profile;
+  if (same != seen_.end()) return same->rows;
+  seen_.push_back(
+      {first_corner, evened,
+       std::make_shared<RobustProfile>(image_, turned_to(frame_, first_corner), layout, evened)});
+  return seen_.back().rows;
 }
 
 bool is_beyond_doubt(const Decoding& decoding) {
@@ -93,10 +103,12 @@ template <class ProfileOf>
 std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& options,
                                                           const ProfileOf& profile_of) {
   const auto best = [&](bool evened) {
-    return best_hypothesis(image_, frame_, options,
-                           [&](std::size_t first_corner, const SymbolLayout& layout) {
-                             return profile_of(seen(first_corner, layout, evened));
-                           });
+    return best_hypothesis(
+        image_, frame_, options,
+        [&](std::size_t first_corner, const SymbolLayout& layout) {
+          return seen(first_corner, layout, evened);
+        },
+        profile_of);
   };
   auto as_seen = best(false);
   const auto explained = [](const auto& symbol) { return symbol->decoding.fit.explained; };

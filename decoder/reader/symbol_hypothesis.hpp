@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,7 +25,14 @@ struct SymbolHypothesis {
   SymbolProfile profile;  // along the symbol, from its end on where decoding.upside_down says so
   Decoding decoding;
   bool in_shadow = false;  // shadows, or a lamp's spot, are known to lie on the plate
+  // What it was read from, while it is judged; it refers to the image.
+  std::shared_ptr<const RobustProfile> rows{};
 };
+
+// The rows of a frame by which a symbol is judged: those that it was read from, where they are the
+// frame's, from its first corner on; else they are cut out of the image.
+std::shared_ptr<const RobustProfile> rows_of(const GrayView& image, const RefinedFrame& frame,
+                                             const SymbolHypothesis& symbol);
 
 // Whether a symbol is beyond doubt by its whole height: then its halves need not be asked.
 bool is_beyond_doubt(const Decoding& decoding);
@@ -46,10 +54,11 @@ class SymbolLook {
   struct Seen {
     std::size_t first_corner;  // taken for P
     bool is_evened;
-    RobustProfile profile;
+    std::shared_ptr<const RobustProfile> rows;
   };
 
-  const RobustProfile& seen(std::size_t first_corner, const SymbolLayout& layout, bool evened);
+  std::shared_ptr<const RobustProfile> seen(std::size_t first_corner, const SymbolLayout& layout,
+                                            bool evened);
 
   // The best explained symbol by the profiles that `profile_of` takes of the rows, with and without
   // evened light; without, where that leaves no doubt.

@@ -20,6 +20,8 @@ namespace tagsmith::detail {
 struct BarShape {
   double blur = 0.5;  // standard deviation of the point spread, modules
   double growth = 0;  // widening of every bar, modules
+
+  bool operator==(const BarShape&) const = default;
 };
 
 // The patterns of guards and digits as they look with such bars; made once for many lines.
