@@ -17,6 +17,7 @@
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/wide.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {
@@ -226,9 +227,9 @@ Equations equations_at(const Problem& problem, const SharpenedParameters& p) {
   return equations;
 }
 
-void constrain_sharpened(SharpenedParameters& p) {
+void constrain(double most_amount, SharpenedParameters& p) {
   p[kCommonLogBlur] = std::clamp(p[kCommonLogBlur], std::log(0.25), std::log(3.0));
-  p[kCommonAmount] = std::clamp(p[kCommonAmount], 0.0, 4.0);
+  p[kCommonAmount] = std::clamp(p[kCommonAmount], 0.0, most_amount);
   p[kCommonLogSigma] = std::clamp(p[kCommonLogSigma], std::log(0.5), std::log(4.0));
 }
 
@@ -237,11 +238,11 @@ struct SharpenedSolution {
   double cost = 0;
 };
 
-SharpenedSolution minimise(const Problem& problem, SharpenedParameters p) {
+SharpenedSolution minimise(const Problem& problem, SharpenedParameters p, double most_amount) {
   const Equations found = minimise_damped(
-      p, {.damping = 1e-2},
+      p, {.settled = 1e-3, .damping = 1e-2},
       [&](const SharpenedParameters& at) { return equations_at(problem, at); },
-      constrain_sharpened);
+      [&](SharpenedParameters& at) { constrain(most_amount, at); });
   return {p, found.cost};
 }
 
@@ -265,12 +266,12 @@ bool may_be_sharpened(const Problem& problem) {
 SharpenedSolution sharpened_fit(const Problem& problem) {
   SharpenedParameters start = problem.nominal;
   start[kCommonAmount] = 0.5;
-  return minimise(problem, start);
+  return minimise(problem, start, 4);
 }
 
 SharpenedSolution plain_fit(Problem problem) {
   problem.prior_sigma[kCommonAmount] = 1e-4;
-  return minimise(problem, problem.nominal);
+  return minimise(problem, problem.nominal, 0);
 }
 
 }  // namespace
@@ -361,6 +362,12 @@ std::vector<float> gaussian(double sigma) {
   return weights;
 }
 
+// Adds `weight` (a + b) of so many levels.
+TAGSMITH_WIDE void add_pairs(const float* a, const float* b, float weight, int count, float* to) {
+  TAGSMITH_INDEPENDENT_TURNS
+  for (int i = 0; i < count; ++i) to[i] += weight * (a[i] + b[i]);
+}
+
 // Beyond its borders a picture goes on as it is there.
 Plane smoothed(const Plane& plane, const std::vector<float>& weights) {
   const auto reach = static_cast<Eigen::Index>(weights.size()) - 1;
@@ -371,20 +378,39 @@ Plane smoothed(const Plane& plane, const std::vector<float>& weights) {
         Eigen::ArrayXf::Constant(reach, plane(width - 1, y));
     across.col(y) = weights[0] * plane.col(y);
     for (Eigen::Index k = 1; k <= reach; ++k) {
-      across.col(y) +=
-          weights[static_cast<std::size_t>(k)] *
-          (padded.col(0).segment(reach - k, width) + padded.col(0).segment(reach + k, width));
+      add_pairs(&padded(reach - k, 0), &padded(reach + k, 0), weights[static_cast<std::size_t>(k)],
+                static_cast<int>(width), &across(0, y));
     }
   }
   Plane smooth = weights[0] * across;
   for (Eigen::Index y = 0; y < height; ++y) {
     for (Eigen::Index k = 1; k <= reach; ++k) {
-      smooth.col(y) +=
-          weights[static_cast<std::size_t>(k)] *
-          (across.col(std::max<Eigen::Index>(y - k, 0)) + across.col(std::min(y + k, height - 1)));
+      add_pairs(&across(0, std::max<Eigen::Index>(y - k, 0)),
+                &across(0, std::min(y + k, height - 1)), weights[static_cast<std::size_t>(k)],
+                static_cast<int>(width), &smooth(0, y));
     }
   }
   return smooth;
+}
+
+// What undoing goes by: what is kept of the sharp picture, what comes from the smoothed one, and
+// the levels of ink and paper.
+struct Round {
+  float kept, fed_back, black, white;
+};
+
+// What was clipped was darker than 0 or brighter than 255: it lies nearer to black or white.
+TAGSMITH_WIDE void next_levels(const float* sharp, const float* smooth, const Round& round,
+                               int count, float* plain) {
+  const auto [kept, fed_back, black, white] = round;
+  TAGSMITH_INDEPENDENT_TURNS
+  for (int i = 0; i < count; ++i) {
+    float level = kept * sharp[i] + fed_back * smooth[i];
+    const float to_black = sharp[i] < 1.5F ? 0.5F : 0.0F;
+    level += to_black * ((level > black ? black : level) - level);
+    const float to_white = sharp[i] > 253.5F ? 0.5F : 0.0F;
+    plain[i] = level + to_white * ((level < white ? white : level) - level);
+  }
 }
 
 }  // namespace
@@ -396,25 +422,22 @@ void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
   if (area.width() <= 0 || area.height() <= 0) return;
   const Plane sharp = plane_of(sharp_, area);
   const std::vector<float> weights = gaussian(sharpening.sigma_px);
-  const auto black = static_cast<float>(sharpening.black);
-  const auto white = static_cast<float>(sharpening.white);
   const double kept = 1 / (1 + sharpening.amount);
   const double fed_back = sharpening.amount * kept;
+  const Round by{static_cast<float>(kept), static_cast<float>(fed_back),
+                 static_cast<float>(sharpening.black), static_cast<float>(sharpening.white)};
   Plane plain = sharp;
   const int rounds =
       std::max(1, static_cast<int>(std::ceil(std::log(kAtRest) / std::log(fed_back))));
   for (int round = 0; round < rounds; ++round) {
-    plain =
-        static_cast<float>(kept) * sharp + static_cast<float>(fed_back) * smoothed(plain, weights);
-    // What was clipped was darker than 0 or brighter than 255: it lies nearer to black or white.
-    plain = (sharp < 1.5F && plain > black).select((plain + black) / 2, plain);
-    plain = (sharp > 253.5F && plain < white).select((plain + white) / 2, plain);
+    const Plane smooth = smoothed(plain, weights);
+    next_levels(sharp.data(), smooth.data(), by, static_cast<int>(plain.size()), plain.data());
   }
   for (Eigen::Index y = 0; y < plain.cols(); ++y) {
     std::uint8_t* samples =
         image_.samples.data() + (area.top + y) * image_.width + std::ptrdiff_t{area.left};
     for (Eigen::Index x = 0; x < plain.rows(); ++x) {
-      samples[x] = static_cast<std::uint8_t>(std::clamp(std::lround(plain(x, y)), 0L, 255L));
+      samples[x] = static_cast<std::uint8_t>(std::clamp(plain(x, y) + 0.5F, 0.0F, 255.0F));
     }
   }
 }
