@@ -3,6 +3,7 @@
 // root.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -165,7 +166,7 @@ void read_50_mpx(benchmark::State& state) {
   for (int y = 0; y < large.height; ++y) {
     for (int x = 0; x < large.width; ++x) {
       const double sample = sample_bilinear(image->view(), {step * x, step * y});
-      large.samples.push_back(static_cast<std::uint8_t>(sample + 0.5));
+      large.samples.push_back(static_cast<std::uint8_t>(std::lround(sample)));
     }
   }
   std::size_t tags = 0;

@@ -19,7 +19,7 @@ Survey long_survey(double length, bool is_straight) {
   survey.tunnel.right = 1.5;
   survey.tunnel.height = 3;
   std::vector<CenterlineElement> elements;
-  for (double done = 0; done < length; done += 100) {
+  for (int hundred = 0; 100 * hundred < length; ++hundred) {
     elements.push_back({60, 0, 0});
     elements.push_back({40, is_straight ? 0 : (elements.size() % 4 == 1 ? 0.02 : -0.02), 0});
   }

@@ -102,7 +102,7 @@ TEST_CASE("a quad that turns back, or runs the other way round, is not convex") 
   }
 }
 
-TEST_CASE("the quad around a rounded hull keeps its four sides") {
+TEST_CASE("the quad around a rounded hull keeps its four sides, and begins at its upper left") {
   const std::vector<PixelPoint> points{{12, 10}, {90, 12}, {99, 20}, {98, 60},
                                        {90, 69}, {15, 70}, {10, 64}, {10, 15}};
   const auto quad = enclosing_quad(convex_hull(points));
@@ -113,6 +113,8 @@ TEST_CASE("the quad around a rounded hull keeps its four sides") {
         *quad, [&](const PixelPoint& corner) { return distance(corner, expected) < 3; });
     CHECK(near);
   }
+  CHECK(distance((*quad)[0], {10, 10}) < 3);
+  CHECK(distance((*quad)[1], {99, 12}) < 3);
 }
 
 TEST_CASE("the white inside of a frame is one region apart from the plate around it") {

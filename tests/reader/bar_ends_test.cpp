@@ -83,6 +83,11 @@ TEST_CASE("what is dark in front of the bars' ends hides them") {
   CHECK(std::abs(upper->at(0.2) - kLayout.bars_top) * 110 < 0.3);
   tag.covers = {{-50, -24, 24, -12, 0.03}};
   CHECK(!upper_of(tag));
+  // A thin dark cable across bars that go on behind it does not.
+  tag.covers = {{-50, -14, 50, -13, 0.03}};
+  const auto behind = upper_of(tag);
+  REQUIRE(behind);
+  CHECK(std::abs(behind->at(0.2) - kLayout.bars_top) * 110 < 0.3);
   // White over a quarter of them, as of paper: the line is that of the others.
   tag.covers = {{-50, -24, -24, tag.bars_top + 4, tag.white}};
   const auto others = upper_of(tag);

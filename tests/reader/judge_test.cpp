@@ -57,6 +57,39 @@ TEST_CASE("a frame's symbol is the same from whichever corner the frame begins")
   }
 }
 
+TEST_CASE("the rows that a symbol was read from serve again while they are its frame's") {
+  DrawnSymbol symbol(kDrawnDigits, 3);
+  const GrayView image = symbol.image.view();
+  const auto found = quick_hypothesis(image, symbol.frame(), {});
+  REQUIRE(found);
+  REQUIRE(found->rows);
+  CHECK(rows_of(image, found->frame, *found) == found->rows);
+  // Another frame, another way round, other light or another picture are cut out anew.
+  RefinedFrame moved = found->frame;
+  moved.corners[2].x += 0.01;
+  CHECK(rows_of(image, moved, *found) != found->rows);
+  CHECK(rows_of(image, turned_to(found->frame, 2), *found) != found->rows);
+  const GrayImage copy = symbol.image;
+  CHECK(rows_of(copy.view(), found->frame, *found) != found->rows);
+  SymbolHypothesis evened = *found;
+  evened.profile.is_evened = true;
+  CHECK(rows_of(image, found->frame, evened) != found->rows);
+  // What is told of it does not keep them.
+  CHECK(!rejection_of(*found, {RejectionReason::doubtful}).symbol->rows);
+  const auto reading = reading_where_bars_end(image, *found, {}, ReadingMethod::frame);
+  REQUIRE(reading);
+  CHECK(!reading->symbol->rows);
+}
+
+TEST_CASE("bars that lost more than narrow elements have are no symbol-like ones") {
+  const DrawnSymbol symbol(kDrawnDigits, 3);
+  auto found = quick_hypothesis(symbol.image.view(), symbol.frame(), {});
+  REQUIRE(found);
+  CHECK(is_symbol_like(*found));
+  found->decoding.fit.image.growth = -0.8;
+  CHECK(!is_symbol_like(*found));
+}
+
 TEST_CASE("a hidden side is where the bars put it") {
   const DrawnSymbol symbol(kDrawnDigits, 3);
   RefinedFrame frame = symbol.frame();

@@ -105,11 +105,10 @@ std::vector<double> filtered(const std::vector<double>& light, int width, int he
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       double sum = 0;
-      for (int k = -radius; k <= radius; ++k) {
-        const int from = std::clamp(x + k, 0, width - 1);
-        sum += weights[static_cast<std::size_t>(k + radius)] *
-               light[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                     static_cast<std::size_t>(from)];
+      for (std::size_t k = 0; k < weights.size(); ++k) {
+        const int from = std::clamp(x + static_cast<int>(k) - radius, 0, width - 1);
+        sum += weights[k] * light[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                  static_cast<std::size_t>(from)];
       }
       result[static_cast<std::size_t>(x) * static_cast<std::size_t>(height) +
              static_cast<std::size_t>(y)] = sum;
@@ -126,9 +125,10 @@ GrayImage picture_of(const std::vector<int>& element_widths, const BarPicture& h
   for (int y = 0; y < scene.height(); ++y) {
     for (int x = 0; x < scene.width(); ++x) {
       double sum = 0;
-      for (int i = 0; i < kFiner * kFiner; ++i) {
-        sum += scene.light_at(x + (i % kFiner + 0.5) / kFiner - 0.5,
-                              y + (i / kFiner + 0.5) / kFiner - 0.5);
+      for (int row = 0; row < kFiner; ++row) {
+        for (int column = 0; column < kFiner; ++column) {
+          sum += scene.light_at(x + (column + 0.5) / kFiner - 0.5, y + (row + 0.5) / kFiner - 0.5);
+        }
       }
       light.push_back(sum / (kFiner * kFiner));
     }
