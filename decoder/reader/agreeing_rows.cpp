@@ -4,17 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <numeric>
-#include <span>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/base/quantile.hpp"
-#include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -22,345 +19,236 @@ namespace {
 
 constexpr double kModelVariance = kProfile.model_error * kProfile.model_error;
 
+using Bins = Eigen::ArrayXf;
+using Cells = Eigen::ArrayXXf;  // bins x rows: a column is a row of the symbol
+using CellFlags = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
 // A quantity over the frame, bilinear between its corners.
 double bilinear(const std::array<double, 4>& at, double u, double v) {
   return (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[3] + u * at[2]);
 }
 
-// Light along a row, and its change a bin.
-struct RowLevels {
-  float white = 1, white_step = 0;
-  float black = 0, black_step = 0;
-};
-
-// Along a row the levels change evenly.
-RowLevels levels_along(const SymbolRows& rows, const PlateLevels& levels, double v) {
-  const double begin = rows.width_share_of(0.5);
-  const double next = rows.width_share_of(1.5);
-  const auto level = [&](const std::array<double, 4>& of, double u) {
-    return static_cast<float>(bilinear(of, u, v));
+// A light of the plate in each bin of a row; along a row it changes evenly.
+Bins level_along(const SymbolRows& rows, const std::array<double, 4>& light, double v) {
+  const auto bins = static_cast<Eigen::Index>(rows.bins);
+  const auto at = [&](double bin) {
+    return static_cast<float>(bilinear(light, rows.width_share_of(bin), v));
   };
-  const float white = level(levels.white, begin), black = level(levels.black, begin);
-  return {white, level(levels.white, next) - white, black, level(levels.black, next) - black};
+  return Bins::LinSpaced(bins, at(0.5), at(static_cast<double>(bins) - 0.5));
 }
 
-// Cells of one row, or of all, each quantity by itself for the compiler's vectors. Darkness: 0 =
-// the plate's white, 1 = the frame's black; place and count as in a RowCell.
-template <class Float>
-struct DarkCells {
-  Float* darkness;
-  Float* place;
-  Float* count;
+// One quantity of a row's cells, given that of the first bin.
+auto along_row(const float& first, Eigen::Index bins) {
+  constexpr int kStride = sizeof(RowCell) / sizeof(float);
+  return Eigen::Map<const Bins, Eigen::Unaligned, Eigen::InnerStride<kStride>>(&first, bins);
+}
+
+// The rows of a part of the bars' height with their darkness: 0 = the plate's white, 1 = the
+// frame's black.
+struct DarkRows {
+  Cells darkness;
+  Cells place, count;                // as in a RowCell
+  std::vector<Eigen::Index> bins{};  // those that pixels fell into; the others are left out
 };
 
-TAGSMITH_WIDE void darken(const RowCell* cells, int size, const RowLevels& levels,
-                          const DarkCells<float>& to) {
+void leave_out_empty(DarkRows& rows) {
+  const Bins pixels = rows.count.rowwise().sum();
+  for (Eigen::Index bin = 0; bin < pixels.size(); ++bin) {
+    if (pixels[bin] > 0) rows.bins.push_back(bin);
+  }
+  if (std::cmp_equal(rows.bins.size(), pixels.size())) return;
+  for (Cells* of : {&rows.darkness, &rows.place, &rows.count}) {
+    *of = (*of)(rows.bins, Eigen::all).eval();
+  }
+}
+
+DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels, double top, double bottom) {
   constexpr float kLeastContrast = 1e-3F;
-  const auto [white, white_step, black, black_step] = levels;
-  TAGSMITH_INDEPENDENT_TURNS
-  for (int bin = 0; bin < size; ++bin) {
-    const auto at = static_cast<float>(bin);
-    const float here = white + at * white_step;
-    const float contrast = here - (black + at * black_step);
-    to.darkness[bin] =
-        (here - cells[bin].light) / (contrast > kLeastContrast ? contrast : kLeastContrast);
-    to.place[bin] = cells[bin].place;
-    to.count[bin] = cells[bin].count;
+  std::vector<std::size_t> used;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    const double v = rows.height_of(row);
+    if (v >= top && v <= bottom) used.push_back(row);
   }
+  const auto bins = static_cast<Eigen::Index>(rows.bins);
+  const Cells none(bins, static_cast<Eigen::Index>(used.size()));
+  DarkRows dark{none, none, none};
+  for (Eigen::Index k = 0; k < none.cols(); ++k) {
+    const std::size_t row = used[static_cast<std::size_t>(k)];
+    const RowCell& first = rows.cell(row, 0);
+    const Bins white = level_along(rows, levels.white, rows.height_of(row));
+    const Bins black = level_along(rows, levels.black, rows.height_of(row));
+    dark.darkness.col(k) =
+        (white - along_row(first.light, bins)) / (white - black).max(kLeastContrast);
+    dark.place.col(k) = along_row(first.place, bins);
+    dark.count.col(k) = along_row(first.count, bins);
+  }
+  leave_out_empty(dark);
+  return dark;
 }
 
-// The rows of a part of the bars' height, and which bins they are of: those that pixels fell into.
-class DarkRows {
- public:
-  DarkRows(const SymbolRows& rows, const PlateLevels& levels, double top, double bottom)
-      : bins_(rows.bins) {
-    std::iota(bins_.begin(), bins_.end(), std::size_t{0});
-    for (std::size_t row = 0; row < rows.rows; ++row) {
-      const double v = rows.height_of(row);
-      if (v < top || v > bottom) continue;
-      const std::size_t begin = rows_ * rows.bins;
-      for (std::vector<float>* of : {&darkness_, &place_, &count_}) of->resize(begin + rows.bins);
-      darken(&rows.cell(row, 0), static_cast<int>(rows.bins), levels_along(rows, levels, v),
-             {darkness_.data() + begin, place_.data() + begin, count_.data() + begin});
-      ++rows_;
-    }
-    leave_out_empty();
-  }
-
-  std::size_t rows() const { return rows_; }
-  const std::vector<std::size_t>& bins() const { return bins_; }
-  DarkCells<const float> row(std::size_t row) const {
-    const std::size_t begin = row * bins_.size();
-    return {darkness_.data() + begin, place_.data() + begin, count_.data() + begin};
-  }
-
- private:
-  void leave_out_empty() {
-    std::vector<std::size_t> filled;
-    for (const std::size_t bin : bins_) {
-      std::size_t row = 0;
-      while (row < rows_ && count_[row * bins_.size() + bin] == 0) ++row;
-      if (row < rows_) filled.push_back(bin);
-    }
-    if (filled.size() == bins_.size()) return;
-    for (std::vector<float>* of : {&darkness_, &place_, &count_}) {
-      std::size_t to = 0;
-      for (std::size_t row = 0; row < rows_; ++row) {
-        for (const std::size_t bin : filled) (*of)[to++] = (*of)[row * bins_.size() + bin];
-      }
-    }
-    bins_ = std::move(filled);
-  }
-
-  std::size_t rows_ = 0;
-  std::vector<std::size_t> bins_;
-  std::vector<float> darkness_, place_, count_;  // row by row
+// Sums over some of the pixels of each bin.
+struct PixelSums {
+  Bins darkness, place, count;
 };
 
-// What a bin's cells show together.
-struct BinTotals {
-  explicit BinTotals(std::size_t size)
-      : least(size, std::numeric_limits<float>::max()),
-        most(size, std::numeric_limits<float>::lowest()),
-        sum(size),
-        cells(size),
-        darkness(size),
-        place(size),
-        count(size) {}
-
-  std::vector<float> least, most, sum, cells;  // of darkness; cells that hold pixels
-  std::vector<double> darkness, place, count;  // sums over pixels
-};
-
-TAGSMITH_WIDE void add_extremes(const DarkCells<const float>& row, int size, float* least,
-                                float* most, float* sum, float* cells) {
-  TAGSMITH_INDEPENDENT_TURNS
-  for (int i = 0; i < size; ++i) {
-    const float darkness = row.darkness[i];
-    const bool is_seen = row.count[i] > 0;
-    least[i] = is_seen && darkness < least[i] ? darkness : least[i];
-    most[i] = is_seen && darkness > most[i] ? darkness : most[i];
-    sum[i] += is_seen ? darkness : 0.0F;
-    cells[i] += is_seen ? 1.0F : 0.0F;
+// Row after row, so that rounding is the same on every machine.
+PixelSums sums_of(const DarkRows& rows, const Cells& pixels) {
+  const Bins none = Bins::Zero(pixels.rows());
+  PixelSums sums{none, none, none};
+  for (Eigen::Index row = 0; row < pixels.cols(); ++row) {
+    sums.darkness += pixels.col(row) * rows.darkness.col(row);
+    sums.place += pixels.col(row) * rows.place.col(row);
+    sums.count += pixels.col(row);
   }
-}
-
-TAGSMITH_WIDE void add_pixels(const DarkCells<const float>& row, int size, double* darkness,
-                              double* place, double* count) {
-  TAGSMITH_INDEPENDENT_TURNS
-  for (int i = 0; i < size; ++i) {
-    const auto pixels = static_cast<double>(row.count[i]);
-    darkness[i] += pixels * static_cast<double>(row.darkness[i]);
-    place[i] += pixels * static_cast<double>(row.place[i]);
-    count[i] += pixels;
-  }
-}
-
-BinTotals totals_of(const DarkRows& rows) {
-  BinTotals all(rows.bins().size());
-  const auto size = static_cast<int>(rows.bins().size());
-  for (std::size_t row = 0; row < rows.rows(); ++row) {
-    add_extremes(rows.row(row), size, all.least.data(), all.most.data(), all.sum.data(),
-                 all.cells.data());
-    add_pixels(rows.row(row), size, all.darkness.data(), all.place.data(), all.count.data());
-  }
-  return all;
+  return sums;
 }
 
 // What the rows agree on in each bin.
 struct Consensus {
-  explicit Consensus(std::size_t size) : median(size), place(size), slope(size), tolerated(size) {}
-
-  std::vector<float> median;
-  std::vector<float> place;      // mean place of the bin's pixels, bins
-  std::vector<float> slope;      // change of darkness a bin
-  std::vector<float> tolerated;  // difference of darkness that is no disagreement
+  Bins median;
+  Bins place;      // mean place of the bin's pixels, bins
+  Bins slope;      // change of darkness a bin
+  Bins tolerated;  // difference of darkness that is no disagreement
 };
 
-// The median of what rows show of a bin; where all are alike, their mean, which is quicker.
-float middle_of(const DarkRows& rows, const BinTotals& totals, std::size_t i,
-                std::vector<float>& seen) {
-  if (totals.most[i] - totals.least[i] <= static_cast<float>(kProfile.shading))
-    return totals.sum[i] / totals.cells[i];
+float median_of(const DarkRows& rows, Eigen::Index bin, std::vector<float>& seen) {
   seen.clear();
-  for (std::size_t row = 0; row < rows.rows(); ++row) {
-    const DarkCells cells = rows.row(row);
-    if (cells.count[i] > 0) seen.push_back(cells.darkness[i]);
+  for (Eigen::Index row = 0; row < rows.count.cols(); ++row) {
+    if (rows.count(bin, row) > 0) seen.push_back(rows.darkness(bin, row));
   }
   return quantile(seen, 0.5);
 }
 
-Consensus consensus_of(const DarkRows& rows, const BinTotals& totals) {
-  const std::size_t size = rows.bins().size();
-  Consensus all(size);
+// What changes from the bin before; nothing before the first.
+Bins change_from_before(const Bins& values) {
+  Bins change = values;
+  change[0] = 0;
+  change.tail(values.size() - 1) -= values.head(values.size() - 1);
+  return change;
+}
+
+// What changes to the bin after; nothing after the last.
+Bins change_to_after(const Bins& values) {
+  Bins change = -values;
+  change.head(values.size() - 1) += values.tail(values.size() - 1);
+  change[values.size() - 1] = 0;
+  return change;
+}
+
+Consensus consensus_of(const DarkRows& rows, const PixelSums& all) {
+  Consensus consensus;
+  consensus.place = all.place / all.count;
+  // Where all rows show nearly the same, the mean, which is quicker.
+  consensus.median = all.darkness / all.count;
+  Cells shown = rows.darkness;
+  for (Eigen::Index row = 0; row < shown.cols(); ++row) {
+    shown.col(row) = (rows.count.col(row) > 0).select(shown.col(row), consensus.median);
+  }
+  const Bins spread = shown.rowwise().maxCoeff() - shown.rowwise().minCoeff();
   std::vector<float> seen;
-  for (std::size_t i = 0; i < size; ++i) {
-    all.median[i] = middle_of(rows, totals, i, seen);
-    all.place[i] = static_cast<float>(totals.place[i] / totals.count[i]);
+  for (Eigen::Index bin = 0; bin < spread.size(); ++bin) {
+    if (spread[bin] > static_cast<float>(kProfile.shading))
+      consensus.median[bin] = median_of(rows, bin, seen);
   }
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, size - 1);
-    const float run = std::max(0.5F, all.place[after] - all.place[before]);
-    const float rise = all.median[i] - all.median[before], next = all.median[after] - all.median[i];
-    all.slope[i] = (rise + next) / run;
-    all.tolerated[i] =
-        static_cast<float>(kProfile.shading) +
-        static_cast<float>(kProfile.slanted) * std::max(std::abs(rise), std::abs(next));
-  }
-  return all;
+  const Bins before = change_from_before(consensus.median);
+  const Bins after = change_to_after(consensus.median);
+  const Bins run = change_from_before(consensus.place) + change_to_after(consensus.place);
+  consensus.slope = (before + after) / run.max(0.5F);
+  consensus.tolerated = static_cast<float>(kProfile.shading) +
+                        static_cast<float>(kProfile.slanted) * before.abs().max(after.abs());
+  return consensus;
+}
+
+// How far cells are from what the rows agree on at their pixels' mean place.
+Cells differences(const DarkRows& rows, const Consensus& consensus) {
+  Cells expected = rows.place.colwise() - consensus.place;
+  expected.colwise() *= consensus.slope;
+  expected.colwise() += consensus.median;
+  return rows.darkness - expected;
 }
 
 // Variance of one pixel's darkness: from the median of what cells are off.
-double pixel_variance(const DarkRows& rows, const Consensus& consensus) {
+double pixel_variance(const DarkRows& rows, const Cells& off) {
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
-  constexpr std::size_t kEvery = 4;      // bins: some 2,000 cells tell it to 3 %
+  constexpr Eigen::Index kEvery = 4;     // bins: some 2,000 cells tell it to 3 %
   std::vector<float> squares;
-  for (std::size_t row = 0; row < rows.rows(); ++row) {
-    const DarkCells cells = rows.row(row);
-    for (std::size_t i = 0; i < rows.bins().size(); i += kEvery) {
-      if (cells.count[i] == 0) continue;
-      const float expected =
-          consensus.median[i] + consensus.slope[i] * (cells.place[i] - consensus.place[i]);
-      const float off = cells.darkness[i] - expected;
-      squares.push_back(off * off * cells.count[i]);
+  for (Eigen::Index row = 0; row < off.cols(); ++row) {
+    for (Eigen::Index bin = 0; bin < off.rows(); bin += kEvery) {
+      const float count = rows.count(bin, row);
+      if (count > 0) squares.push_back(off(bin, row) * off(bin, row) * count);
     }
   }
   if (squares.empty()) return kModelVariance;
   return std::max(kModelVariance, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
 }
 
-// Marks the cells of a row that are farther from what the rows agree on, at their pixels' mean
-// place, than noise and shading allow. `most`: of the squared difference times the pixels.
-TAGSMITH_WIDE void mark_odd(const DarkCells<const float>& row, int size, const float* median,
-                            const float* place, const float* slope, const float* tolerated,
-                            float most, std::uint8_t* odd) {
-  TAGSMITH_INDEPENDENT_TURNS
-  for (int i = 0; i < size; ++i) {
-    const float off = row.darkness[i] - (median[i] + slope[i] * (row.place[i] - place[i]));
-    const float beyond = (off < 0 ? -off : off) - tolerated[i];
-    odd[i] = beyond > 0 && beyond * beyond * row.count[i] > most ? 1 : 0;
+// The cells that are farther off than noise and shading allow.
+CellFlags odd_cells(const DarkRows& rows, const Consensus& consensus, const Cells& off,
+                    double variance) {
+  const Cells beyond = (off.abs().colwise() - consensus.tolerated).max(0.0F);
+  return beyond.square() * rows.count > static_cast<float>(kBeyondNoise * kBeyondNoise * variance);
+}
+
+// Marks what lies in front of a row. An occluder disagrees in spaces, if it is dark, and on bars,
+// if it is light: its stretch of the row is what lies between odd cells that stand close.
+void mark_covers(const DarkRows& rows, const std::vector<Eigen::Index>& odd, int per_module,
+                 CellFlags::ColXpr covered) {
+  const auto bin = [&](std::size_t k) { return rows.bins[static_cast<std::size_t>(odd[k])]; };
+  for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
+    if (k < odd.size() && static_cast<double>(bin(k) - bin(k - 1)) <= kNearModules * per_module) {
+      continue;
+    }
+    const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));
+    if (run >= kProfile.least_run * per_module &&
+        static_cast<double>(k - begin) >= kProfile.least_used * run) {
+      // A pixel's width of the occluder's outline belongs to it too.
+      const Eigen::Index first = std::max<Eigen::Index>(odd[begin] - 1, 0);
+      const Eigen::Index last = std::min(odd[k - 1] + 1, covered.size() - 1);
+      covered.segment(first, last - first + 1) = true;
+    }
+    begin = k;
   }
 }
 
-// Which cells to leave out, row by row.
-class CellStates {
- public:
-  CellStates(const DarkRows& rows, const Consensus& consensus, double variance, int per_module)
-      : bins_(rows.bins()), states_(rows.rows() * bins_.size()) {
-    const auto most = static_cast<float>(kBeyondNoise * kBeyondNoise * variance);
-    for (std::size_t row = 0; row < rows.rows(); ++row) {
-      const std::span<std::uint8_t> states = states_of(row);
-      mark_odd(rows.row(row), static_cast<int>(states.size()), consensus.median.data(),
-               consensus.place.data(), consensus.slope.data(), consensus.tolerated.data(), most,
-               states.data());
-      if (is_clear(row)) continue;
-      std::vector<std::size_t> odd;
-      for (std::size_t i = 0; i < states.size(); ++i) {
-        if (states[i] == kOdd) odd.push_back(i);
-      }
-      mark_covers(states, odd, per_module);
+// Which cells lie on a stretch of their row with something in front.
+CellFlags covered_cells(const DarkRows& rows, const CellFlags& odd, int per_module) {
+  CellFlags covered = CellFlags::Constant(odd.rows(), odd.cols(), false);
+  for (Eigen::Index row = 0; row < odd.cols(); ++row) {
+    std::vector<Eigen::Index> bins;
+    for (Eigen::Index bin = 0; bin < odd.rows(); ++bin) {
+      if (odd(bin, row)) bins.push_back(bin);
     }
+    if (!bins.empty()) mark_covers(rows, bins, per_module, covered.col(row));
   }
+  return covered;
+}
 
-  // Whether no cell of a row is odd.
-  bool is_clear(std::size_t row) const {
-    const auto begin = states_.begin() + static_cast<std::ptrdiff_t>(row * bins_.size());
-    const auto end = begin + static_cast<std::ptrdiff_t>(bins_.size());
-    return std::find_if(begin, end, [](std::uint8_t state) { return state != 0; }) == end;
-  }
-  // Whether a cell disagrees with the other rows.
-  bool is_odd(std::size_t row, std::size_t i) const {
-    return (states_[row * bins_.size() + i] & kOdd) != 0;
-  }
-  // Whether it lies on a stretch of its row with something in front.
-  bool is_covered(std::size_t row, std::size_t i) const {
-    return (states_[row * bins_.size() + i] & kCovered) != 0;
-  }
-
- private:
-  static constexpr std::uint8_t kOdd = 1;
-  static constexpr std::uint8_t kCovered = 2;
-
-  std::span<std::uint8_t> states_of(std::size_t row) {
-    return std::span(states_).subspan(row * bins_.size(), bins_.size());
-  }
-
-  // An occluder disagrees in spaces, if it is dark, and on bars, if it is light: its stretch of a
-  // row is what lies between odd cells that stand close.
-  void mark_covers(std::span<std::uint8_t> states, const std::vector<std::size_t>& odd,
-                   int per_module) const {
-    const auto bin = [&](std::size_t k) { return bins_[odd[k]]; };
-    for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
-      if (k < odd.size() && static_cast<double>(bin(k) - bin(k - 1)) <= kNearModules * per_module) {
-        continue;
-      }
-      const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));
-      if (run >= kProfile.least_run * per_module &&
-          static_cast<double>(k - begin) >= kProfile.least_used * run) {
-        // A pixel's width of the occluder's outline belongs to it too.
-        const std::size_t first = odd[begin] - (odd[begin] > 0 ? 1 : 0);
-        const std::size_t last = std::min(odd[k - 1] + 1, states.size() - 1);
-        for (std::size_t i = first; i <= last; ++i) states[i] |= kCovered;
-      }
-      begin = k;
-    }
-  }
-
-  const std::vector<std::size_t>& bins_;
-  std::vector<std::uint8_t> states_;
+// The bins' rows by state.
+struct RowsByState {
+  PixelSums clear;    // neither odd nor covered
+  PixelSums even;     // not odd
+  PixelSums covered;  // odd or not
+  Bins odd;           // pixels
+  Bins odd_outside;   // of them, outside of covered stretches
 };
 
-// Sums over pixels of a bin's rows.
-struct PixelSums {
-  double darkness = 0, place = 0, count = 0;
-
-  void add(const DarkCells<const float>& row, std::size_t i, double sign = 1) {
-    const double pixels = sign * static_cast<double>(row.count[i]);
-    darkness += pixels * static_cast<double>(row.darkness[i]);
-    place += pixels * static_cast<double>(row.place[i]);
-    count += pixels;
-  }
-};
-
-// A bin's rows by state.
-struct BinSums {
-  PixelSums clear;         // neither odd nor covered
-  PixelSums even;          // not odd
-  PixelSums covered;       // odd or not
-  double odd = 0;          // pixels
-  double odd_outside = 0;  // of them, outside of covered stretches
-};
-
-std::vector<BinSums> sums_of(const DarkRows& rows, const BinTotals& totals,
-                             const CellStates& states) {
-  std::vector<BinSums> all(rows.bins().size());
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].even = {totals.darkness[i], totals.place[i], totals.count[i]};
-    all[i].clear = all[i].even;
-  }
-  for (std::size_t row = 0; row < rows.rows(); ++row) {
-    if (states.is_clear(row)) continue;
-    const DarkCells cells = rows.row(row);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const bool odd = states.is_odd(row, i), covered = states.is_covered(row, i);
-      if (!odd && !covered) continue;
-      all[i].clear.add(cells, i, -1);
-      if (covered) all[i].covered.add(cells, i);
-      if (!odd) continue;
-      all[i].even.add(cells, i, -1);
-      all[i].odd += static_cast<double>(cells.count[i]);
-      if (!covered) all[i].odd_outside += static_cast<double>(cells.count[i]);
-    }
-  }
-  return all;
+RowsByState rows_by_state(const DarkRows& rows, const PixelSums& all, const CellFlags& odd,
+                          int per_module) {
+  const Bins none = Bins::Zero(all.count.size());
+  if (!odd.any()) return {all, all, {none, none, none}, none, none};
+  const CellFlags covered = covered_cells(rows, odd, per_module);
+  const auto pixels = [&](const CellFlags& which) -> Cells { return which.select(rows.count, 0); };
+  return {sums_of(rows, pixels(!odd && !covered)), sums_of(rows, pixels(!odd)),
+          sums_of(rows, pixels(covered)), sums_of(rows, pixels(odd)).count,
+          sums_of(rows, pixels(odd && !covered)).count};
 }
 
 // Variance of the darkness along the symbol, over a window.
 class Modulation {
  public:
-  void count(const PixelSums& pixels, double sign) {
-    if (pixels.count == 0) return;
-    const double darkness = pixels.darkness / pixels.count;
+  void count(const PixelSums& pixels, Eigen::Index bin, double sign) {
+    if (pixels.count[bin] == 0) return;
+    const auto darkness = static_cast<double>(pixels.darkness[bin] / pixels.count[bin]);
     count_ += sign;
     sum_ += sign * darkness;
     squares_ += sign * darkness * darkness;
@@ -377,56 +265,59 @@ class Modulation {
 // Whether a bin's covered cells are to be left out: where they are plain along the symbol and the
 // clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
 // other way round, the clear cells are the occluder.
-std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_module) {
-  const std::size_t reach = kNearModules * static_cast<std::size_t>(per_module);
-  std::vector<bool> certain(sums.size());
+std::vector<bool> certain_covers(const RowsByState& rows, int per_module) {
+  const Eigen::Index reach = kNearModules * per_module, size = rows.odd.size();
+  std::vector<bool> certain;
   Modulation clear, covered;
-  const auto count = [&](const BinSums& bin, double sign) {
-    clear.count(bin.clear, sign);
-    covered.count(bin.covered, sign);
+  const auto count = [&](Eigen::Index bin, double sign) {
+    clear.count(rows.clear, bin, sign);
+    covered.count(rows.covered, bin, sign);
   };
-  for (std::size_t i = 0; i < std::min(reach, sums.size()); ++i) count(sums[i], 1);
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (i + reach < sums.size()) count(sums[i + reach], 1);
-    if (i > reach) count(sums[i - reach - 1], -1);
-    certain[i] = covered.variance() < kProfile.plainer * clear.variance();
+  for (Eigen::Index i = 0; i < std::min(reach, size); ++i) count(i, 1);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    if (i + reach < size) count(i + reach, 1);
+    if (i > reach) count(i - reach - 1, -1);
+    certain.push_back(covered.variance() < kProfile.plainer * clear.variance());
   }
   return certain;
 }
 
-ScanBin bin_of(const SymbolRows& symbol, float median, float place, const BinSums& sums,
-               bool certain, double variance) {
-  const PixelSums& used = certain ? sums.clear : sums.even;
-  const double odd = certain ? sums.odd_outside : sums.odd;
-  const double seen = sums.even.count + sums.odd;
-  if (used.count < kProfile.least_used * seen) {
-    return {symbol.module_of(static_cast<double>(place)), static_cast<double>(median),
-            kHiddenVariance, 0};
+ScanBin bin_of(const SymbolRows& symbol, const Consensus& consensus, const RowsByState& rows,
+               Eigen::Index bin, bool certain, double variance) {
+  const PixelSums& used = certain ? rows.clear : rows.even;
+  const auto count = static_cast<double>(used.count[bin]);
+  const auto odd = static_cast<double>(certain ? rows.odd_outside[bin] : rows.odd[bin]);
+  const auto seen = static_cast<double>(rows.even.count[bin] + rows.odd[bin]);
+  if (count < kProfile.least_used * seen) {
+    return {symbol.module_of(static_cast<double>(consensus.place[bin])),
+            static_cast<double>(consensus.median[bin]), kHiddenVariance, 0};
   }
   // Where the height disagrees with itself the median may have taken the wrong side: the doubt
   // grows from nothing at full agreement to the whole contrast where half disagrees.
-  const double doubt = std::min(1.0, 2 * odd / (odd + used.count));
-  return {symbol.module_of(used.place / used.count), used.darkness / used.count,
-          variance / used.count + kModelVariance + doubt * doubt * doubt * doubt,
-          used.count / seen};
+  const double doubt = std::min(1.0, 2 * odd / (odd + count));
+  return {symbol.module_of(static_cast<double>(used.place[bin]) / count),
+          static_cast<double>(used.darkness[bin]) / count,
+          variance / count + kModelVariance + doubt * doubt * doubt * doubt, count / seen};
 }
 
 }  // namespace
 
 ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
                                 double bottom) {
-  const DarkRows dark(rows, levels, top, bottom);
-  const BinTotals totals = totals_of(dark);
-  const Consensus consensus = consensus_of(dark, totals);
-  const double variance = pixel_variance(dark, consensus);
-  const CellStates states(dark, consensus, variance, rows.bins_per_module);
-  const std::vector<BinSums> sums = sums_of(dark, totals, states);
-  const std::vector<bool> certain = certain_covers(sums, rows.bins_per_module);
+  const DarkRows dark = dark_rows(rows, levels, top, bottom);
+  if (dark.bins.empty()) return {};
+  const PixelSums all = sums_of(dark, dark.count);
+  const Consensus consensus = consensus_of(dark, all);
+  const Cells off = differences(dark, consensus);
+  const double variance = pixel_variance(dark, off);
+  const CellFlags odd = odd_cells(dark, consensus, off, variance);
+  const RowsByState by_state = rows_by_state(dark, all, odd, rows.bins_per_module);
+  const std::vector<bool> certain = certain_covers(by_state, rows.bins_per_module);
   ScanProfile profile;
-  profile.reserve(sums.size());
-  for (std::size_t i = 0; i < sums.size(); ++i) {
+  profile.reserve(certain.size());
+  for (std::size_t i = 0; i < certain.size(); ++i) {
     profile.push_back(
-        bin_of(rows, consensus.median[i], consensus.place[i], sums[i], certain[i], variance));
+        bin_of(rows, consensus, by_state, static_cast<Eigen::Index>(i), certain[i], variance));
   }
   return profile;
 }
