@@ -61,6 +61,7 @@ int run(int plates, int photos, std::uint64_t seed) {
 }  // namespace
 }  // namespace tagsmith::detail::test
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an exception may end it
 int main(int argc, char** argv) {
   const auto number = [&](int place, int otherwise) {
     return argc > place ? std::atoi(argv[place]) : otherwise;

@@ -29,7 +29,7 @@ constexpr const char* kSurvey = "surveys/corridor/survey.yaml";
 constexpr const char* kPhoto = "surveys/corridor/photos/corridor_01_left.jpg";
 
 void load_corridor_survey(benchmark::State& state) {
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     const Result<Survey> survey = load_survey(kSurvey);
     if (!survey) return state.SkipWithError(survey.error().message.c_str());
     benchmark::DoNotOptimize(survey->tags.data());
@@ -40,14 +40,14 @@ BENCHMARK(load_corridor_survey)->Unit(benchmark::kMillisecond);
 void draw_one_tag(benchmark::State& state) {
   const Result<Survey> survey = load_survey(kSurvey);
   if (!survey) return state.SkipWithError(survey.error().message.c_str());
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     benchmark::DoNotOptimize(draw_tag(survey->tag_template, survey->tags.front().digits));
   }
 }
 BENCHMARK(draw_one_tag);
 
 void load_photo(benchmark::State& state) {
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     const Result<GrayImage> image = load_gray_image(kPhoto);
     if (!image) return state.SkipWithError(image.error().message.c_str());
     benchmark::DoNotOptimize(image->samples.data());
@@ -61,7 +61,7 @@ void read_photo(benchmark::State& state, const Read& read) {
   const Result<GrayImage> image = load_gray_image(kPhoto);
   if (!image) return state.SkipWithError(image.error().message.c_str());
   std::size_t tags = 0;
-  for (auto _ : state) tags = read(image->view()).tags.size();
+  for ([[maybe_unused]] const auto _ : state) tags = read(image->view()).tags.size();
   state.counters["tags"] = static_cast<double>(tags);
 }
 
@@ -91,7 +91,7 @@ void compare_with_paper(benchmark::State& state, const Read& read) {
   double least_read = std::numeric_limits<double>::infinity();
   double least_paper = least_read;
   std::size_t tags = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     const auto begin = Clock::now();
     benchmark::DoNotOptimize(segment_paper(image->view()).outlines.data());
     const auto middle = Clock::now();
@@ -118,7 +118,7 @@ void read_twenty_beside_paper(benchmark::State& state) {
   using Clock = std::chrono::steady_clock;
   std::chrono::duration<double> reading{0}, segmenting{0};
   std::size_t tags = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     for (int i = 1; i <= 10; ++i) {
       for (const char* side : {"left", "right"}) {
         const Result<GrayImage> image =
@@ -170,7 +170,7 @@ void read_50_mpx(benchmark::State& state) {
     }
   }
   std::size_t tags = 0;
-  for (auto _ : state) tags = read_tags(large.view()).tags.size();
+  for ([[maybe_unused]] const auto _ : state) tags = read_tags(large.view()).tags.size();
   state.counters["tags"] = static_cast<double>(tags);
 }
 BENCHMARK(read_50_mpx)->Unit(benchmark::kMillisecond);
@@ -178,7 +178,8 @@ BENCHMARK(read_50_mpx)->Unit(benchmark::kMillisecond);
 void halve_photo(benchmark::State& state) {
   const Result<GrayImage> image = load_gray_image(kPhoto);
   if (!image) return state.SkipWithError(image.error().message.c_str());
-  for (auto _ : state) benchmark::DoNotOptimize(half_size(image->view()).samples.data());
+  for ([[maybe_unused]] const auto _ : state)
+    benchmark::DoNotOptimize(half_size(image->view()).samples.data());
 }
 BENCHMARK(halve_photo)->Unit(benchmark::kMillisecond);
 

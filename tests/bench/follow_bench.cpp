@@ -76,7 +76,7 @@ void two_images_to_position(benchmark::State& state, bool with_prior) {
   }
   std::vector<double> times;
   std::size_t located = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     const std::size_t i = times.size() % priors.size();
     const std::clock_t begin = std::clock();
     const Fix fix = locate_in(*scene, i, priors[i]);

@@ -47,7 +47,7 @@ void decode_jpeg_part(benchmark::State& state, Part part) {
   const auto bytes = read_file("surveys/corridor/photos/corridor_01_left.jpg", 1U << 24U);
   if (!bytes) return state.SkipWithError(bytes.error().message.c_str());
   std::vector<unsigned char> row;
-  for (auto _ : state) decode(*bytes, part, row);
+  for ([[maybe_unused]] const auto _ : state) decode(*bytes, part, row);
 }
 
 BENCHMARK_CAPTURE(decode_jpeg_part, grey, Part::all)->Unit(benchmark::kMillisecond);

@@ -57,7 +57,7 @@ void plan(benchmark::State& state, const Rig& rig, bool is_straight, bool accura
   options.step = 0.01;
   options.accuracy = accuracy;
   std::size_t poses = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     const Result<DrivePlan> planned = plan_drive(survey, rig, options);
     if (!planned) return state.SkipWithError(planned.error().message.c_str());
     poses = planned->columns.size() * static_cast<std::size_t>(planned->poses_per_column);

@@ -47,7 +47,7 @@ void print_into_one_pdf(benchmark::State& state) {
   style.revision = survey_revision(survey);
   const fs::path folder = fs::temp_directory_path() / "tagsmith-bench";
   double bytes = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     const PrintJob job = plan_print(survey, tags, style).value();
     const StagedFiles files = StagedFiles::begin(folder).value();
     if (!write_print(job, files)) return state.SkipWithError("not written");
@@ -72,7 +72,7 @@ void zint_svgs(benchmark::State& state) {
   codes.close();
   const std::string command =
       "cd '" + folder.string() + "' && zint --batch --barcode=UPCA --filetype=SVG -i codes.txt";
-  for (auto _ : state) {
+  for ([[maybe_unused]] const auto _ : state) {
     if (std::system(command.c_str()) != 0) return state.SkipWithError("zint is not installed");
   }
   fs::remove_all(folder);
