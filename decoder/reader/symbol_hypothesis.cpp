@@ -16,16 +16,17 @@
 namespace tagsmith::detail {
 namespace {
 
-// The best explained hypothesis along the symbol direction(s) that are possible. `rows_of` gives
+// The best explained hypothesis along the symbol direction(s) that are possible. `rows_from` gives
 // the rows of a layout from a first corner on, `profile_of` their profile.
-template <class RowsOf, class ProfileOf>
+template <class RowsFrom, class ProfileOf>
 std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const RefinedFrame& frame,
-                                                const ReadOptions& options, const RowsOf& rows_of,
+                                                const ReadOptions& options,
+                                                const RowsFrom& rows_from,
                                                 const ProfileOf& profile_of) {
   const DecodeOptions decode_options{options.check, options.code_book};
   std::optional<SymbolHypothesis> best;
   const auto consider = [&](std::size_t first_corner, const SymbolLayout& layout) {
-    auto rows = rows_of(first_corner, layout);
+    auto rows = rows_from(first_corner, layout);
     SymbolProfile profile = profile_of(*rows);
     ImagingModel start;
     start.blur = std::clamp(profile.blur, 0.1, 3.0);
