@@ -393,11 +393,30 @@ std::optional<Solved> solve_evenly_lit(const GrayView& image, const SideLine& si
   return Solved{side, *std::move(even), solution};
 }
 
+// Whether the edge is among the samples.
+bool is_near(const Solution& solution, const SideLine& side) {
+  const Parameters& p = solution.parameters;
+  return std::abs(p[kPlace]) + std::abs(p[kTurn]) < side.reach;
+}
+
+// A side whose stroke is half as thick as guessed: that of a plate seen so aslant that its symbol
+// is narrower than it is high. Nothing where that does not explain it either.
+std::optional<Solved> solve_thinner(const GrayView& image, SideLine side, double thin) {
+  side.stroke /= 2;
+  SideSamples samples(image, edge_samples(image, side, thin));
+  if (samples.samples.size() < kLeastSamples) return std::nullopt;
+  const Solution solution = solve_side(samples, side, kEdgeFit.start_blur);
+  if (!fits_all(samples, solution)) return std::nullopt;
+  return Solved{side, std::move(samples), solution};
+}
+
 Solved solve(const GrayView& image, const SideLine& side, double thin, SideSamples samples) {
   const Solution all = solve_side(samples, side, kEdgeFit.start_blur);
   if (!fits_all(samples, all)) {
     if (auto shown = solve_shown(image, side, thin, all.scale)) return *std::move(shown);
     if (auto even = solve_evenly_lit(image, side, samples)) return *std::move(even);
+    if (is_near(all, side)) return {side, std::move(samples), all};
+    if (auto thinner = solve_thinner(image, side, thin)) return *std::move(thinner);
   }
   return {side, std::move(samples), all};
 }
@@ -416,12 +435,6 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
   ends.row(kPlace) << 1, 1;
   ends.row(kTurn) << -1, 1;
   return variance * (ends.transpose() * matrix.ldlt().solve(ends));
-}
-
-// Whether the edge is among the samples.
-bool is_near(const Solution& solution, const SideLine& side) {
-  const Parameters& p = solution.parameters;
-  return std::abs(p[kPlace]) + std::abs(p[kTurn]) < side.reach;
 }
 
 }  // namespace
