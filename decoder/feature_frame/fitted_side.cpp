@@ -415,8 +415,8 @@ Solved solve(const GrayView& image, const SideLine& side, double thin, SideSampl
   if (!fits_all(samples, all)) {
     if (auto shown = solve_shown(image, side, thin, all.scale)) return *std::move(shown);
     if (auto even = solve_evenly_lit(image, side, samples)) return *std::move(even);
-    if (is_near(all, side)) return {side, std::move(samples), all};
-    if (auto thinner = solve_thinner(image, side, thin)) return *std::move(thinner);
+    auto thinner = is_near(all, side) ? std::nullopt : solve_thinner(image, side, thin);
+    if (thinner) return *std::move(thinner);
   }
   return {side, std::move(samples), all};
 }

@@ -34,6 +34,12 @@ using ParameterMatrix = Eigen::Matrix<double, kSharpenedParameters, kSharpenedPa
 using Common = Eigen::Matrix<double, kCommon, 1>;
 using OfSide = Eigen::Matrix<double, kOfSide, 1>;
 
+// Adds `weight` (a + b) of so many levels.
+TAGSMITH_WIDE void add_pairs(const float* a, const float* b, float weight, int count, float* to) {
+  TAGSMITH_INDEPENDENT_TURNS
+  for (int i = 0; i < count; ++i) to[i] += weight * (a[i] + b[i]);
+}
+
 // The grey levels across one side, as the camera stores them.
 class SharpenedProfile {
  public:
@@ -54,9 +60,8 @@ class SharpenedProfile {
       const float z = static_cast<float>(k) * kStep / sigma;
       const float weight = (k == 0 ? 0.5F : 1.0F) * std::exp(-z * z / 2);
       sum += 2 * weight;
-      for (std::size_t i = reach; i + reach < count; ++i) {
-        smooth[i] += weight * (plain[i - k] + plain[i + k]);
-      }
+      add_pairs(&plain[reach - k], &plain[reach + k], weight, static_cast<int>(count - 2 * reach),
+                &smooth[reach]);
     }
     for (std::size_t i = 0; i < count; ++i) {
       levels_[i] = std::clamp(plain[i] + amount * (plain[i] - smooth[i] / sum), 0.0F, 255.0F);
@@ -360,12 +365,6 @@ std::vector<float> gaussian(double sigma) {
   }
   for (float& weight : weights) weight /= sum;
   return weights;
-}
-
-// Adds `weight` (a + b) of so many levels.
-TAGSMITH_WIDE void add_pairs(const float* a, const float* b, float weight, int count, float* to) {
-  TAGSMITH_INDEPENDENT_TURNS
-  for (int i = 0; i < count; ++i) to[i] += weight * (a[i] + b[i]);
 }
 
 // Beyond its borders a picture goes on as it is there.

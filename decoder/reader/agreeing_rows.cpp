@@ -119,20 +119,12 @@ float median_of(const DarkRows& rows, Eigen::Index bin, std::vector<float>& seen
   return quantile(seen, 0.5);
 }
 
-// What changes from the bin before; nothing before the first.
-Bins change_from_before(const Bins& values) {
-  Bins change = values;
-  change[0] = 0;
-  change.tail(values.size() - 1) -= values.head(values.size() - 1);
-  return change;
-}
-
-// What changes to the bin after; nothing after the last.
-Bins change_to_after(const Bins& values) {
-  Bins change = -values;
-  change.head(values.size() - 1) += values.tail(values.size() - 1);
-  change[values.size() - 1] = 0;
-  return change;
+// What changes before each bin, and behind the last one: nothing beside the first and the last.
+Bins changes_of(const Bins& values) {
+  const Eigen::Index size = values.size();
+  Bins changes = Bins::Zero(size + 1);
+  changes.segment(1, size - 1) = values.tail(size - 1) - values.head(size - 1);
+  return changes;
 }
 
 Consensus consensus_of(const DarkRows& rows, const PixelSums& all) {
@@ -150,9 +142,10 @@ Consensus consensus_of(const DarkRows& rows, const PixelSums& all) {
     if (spread[bin] > static_cast<float>(kProfile.shading))
       consensus.median[bin] = median_of(rows, bin, seen);
   }
-  const Bins before = change_from_before(consensus.median);
-  const Bins after = change_to_after(consensus.median);
-  const Bins run = change_from_before(consensus.place) + change_to_after(consensus.place);
+  const Eigen::Index size = spread.size();
+  const Bins rises = changes_of(consensus.median), runs = changes_of(consensus.place);
+  const auto before = rises.head(size), after = rises.tail(size);
+  const Bins run = runs.head(size) + runs.tail(size);
   consensus.slope = (before + after) / run.max(0.5F);
   consensus.tolerated = static_cast<float>(kProfile.shading) +
                         static_cast<float>(kProfile.slanted) * before.abs().max(after.abs());
@@ -266,7 +259,7 @@ class Modulation {
 // clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
 // other way round, the clear cells are the occluder.
 std::vector<bool> certain_covers(const RowsByState& rows, int per_module) {
-  const Eigen::Index reach = kNearModules * per_module, size = rows.odd.size();
+  const Eigen::Index reach = Eigen::Index{kNearModules} * per_module, size = rows.odd.size();
   std::vector<bool> certain;
   Modulation clear, covered;
   const auto count = [&](Eigen::Index bin, double sign) {
