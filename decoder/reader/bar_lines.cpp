@@ -233,7 +233,7 @@ ScanLine roughly_along(const GrayView& image, const LineFrame& frame, double off
 
 }  // namespace
 
-bool has_bars(const GrayView& image, const BarRegion& region) {
+bool has_bars(const GrayView& image, const BarRegion& region, int least) {
   constexpr double kStepsPerModule = 3;
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / kModuleCount / kStepsPerModule, 0.25, 8.0);
@@ -244,7 +244,7 @@ bool has_bars(const GrayView& image, const BarRegion& region) {
   return std::ranges::any_of(std::array{-0.1, 0.1, 0.3}, [&](double share) {
     const ScanLine line =
         roughly_along(image, frame, share * region.height, std::min(12.0, region.height / 8));
-    return count_of_bars(local_darkness(line, line.size() / 10)) >= kBarLines.least_bars;
+    return count_of_bars(local_darkness(line, line.size() / 10)) >= least;
   });
 }
 

@@ -128,7 +128,7 @@ TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& 
 // A frame around bars, in pixels of the full image, as a level shows it.
 void propose_frame_around(SearchContext& search, const PyramidLevel& level, const BarRegion& bars) {
   const BarRegion region = scaled(bars, 1 / level.scale);
-  if (!has_bars(search.picture.image(), bars)) return;
+  if (!has_bars(search.picture.image(), bars, kBarLines.least_bars)) return;
   search.symbols.push_back(bars);
   if (const auto quad = frame_around(level.image, region)) search.propose(Outline{level, *quad});
 }
@@ -151,6 +151,11 @@ bool is_wanted(const SearchContext& search) {
   const bool missing = expected.empty() || std::ranges::any_of(expected, is_missing);
   const Search when = search.options.search;
   return when == Search::always || (when == Search::when_missing && missing);
+}
+
+// Whether a region shows enough bars to be followed without a frame.
+bool shows_followable(const GrayView& image, const BarRegion& region) {
+  return has_bars(image, region, 2 * kBarLines.least_bars);
 }
 
 // Whether two regions are the same bars.
@@ -217,7 +222,7 @@ void propose_pieces(SearchContext& search) {
 void propose_refused(SearchContext& search) {
   for (const std::size_t index : search.found.covered_frames()) search.propose(RefusedFrame{index});
   for (const BarRegion& region : search.found.odd_bars()) {
-    if (!search.found.has_reading_at(region.centre) && has_bars(search.picture.image(), region)) {
+    if (!search.found.has_reading_at(region.centre) && shows_followable(search.picture.image(), region)) {
       search.propose(region);
     }
   }
@@ -235,7 +240,7 @@ void propose_bars(SearchContext& search) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
     if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
         (!everywhere && search.found.was_looked_at(region)) || runs_off(picture.image(), region) ||
-        (everywhere && !has_bars(picture.image(), region))) {
+        (everywhere && !shows_followable(picture.image(), region))) {
       continue;
     }
     search.propose(region);

@@ -66,7 +66,9 @@ inline constexpr BarEndsTuning kBarEnds;
 // Bars followed line by line, with a frame or without.
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct BarLinesTuning {
-  int least_bars = 10;           // of a symbol's 30, to look closer
+  // Of a symbol's 30, to look for a frame around them: blurred by two modules, others run together.
+  // Twice as many to follow them without a frame.
+  int least_bars = 6;
   int most_rows = 24;            // of a thick line
   int most_lean = 8;             // degrees
   double beyond = 0.5;           // of the region's length, on both sides

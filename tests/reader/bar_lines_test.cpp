@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -105,29 +106,32 @@ TEST_CASE("a symbol has bars, also where half of it is covered") {
   SeenTag tag = turned_bars(0.3);
   const auto has = [](const SeenTag& seen) {
     const GrayImage image = seen.image();
-    return has_bars(image.view(), seen.region());
+    return has_bars(image.view(), seen.region(), 10);
   };
   CHECK(has(tag));
   tag.covers = {{-60, -40, -8, 40, 0.3}};
   CHECK(has(tag));
 }
 
-TEST_CASE("what changes less often than a third of a symbol has no bars") {
+TEST_CASE("a region has as many bars as lines across it turn dark") {
   constexpr int kWidth = 300, kHeight = 120;
   BarRegion region{{150, 60}, {1, 0}, 190, 80};
-  const auto has = [&](const auto& is_dark) {
+  const auto has = [&](const auto& is_dark, int least) {
     GrayImage image{kWidth, kHeight, {}};
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         image.samples.push_back(is_dark(x, y) ? std::uint8_t{60} : std::uint8_t{210});
       }
     }
-    return has_bars(image.view(), region);
+    return has_bars(image.view(), region, least);
   };
   const auto bars_of = [](int period) {
     return [period](int x, int) { return x % period < period / 2; };
   };
-  CHECK(has(bars_of(8)));  // 24 of them
-  CHECK_FALSE(has(bars_of(24)));
-  CHECK_FALSE(has([](int, int) { return false; }));
+  for (const auto& [period, count] : {std::pair{8, 24}, {16, 12}, {24, 8}}) {
+    CAPTURE(period);
+    CHECK(has(bars_of(period), count - 1));
+    CHECK_FALSE(has(bars_of(period), count + 2));
+  }
+  CHECK_FALSE(has([](int, int) { return false; }, 1));
 }
