@@ -222,7 +222,8 @@ void propose_pieces(SearchContext& search) {
 void propose_refused(SearchContext& search) {
   for (const std::size_t index : search.found.covered_frames()) search.propose(RefusedFrame{index});
   for (const BarRegion& region : search.found.odd_bars()) {
-    if (!search.found.has_reading_at(region.centre) && shows_followable(search.picture.image(), region)) {
+    if (!search.found.has_reading_at(region.centre) &&
+        shows_followable(search.picture.image(), region)) {
       search.propose(region);
     }
   }
