@@ -154,7 +154,7 @@ bool is_wanted(const SearchContext& search) {
 }
 
 // Whether a region shows enough bars to be followed without a frame.
-bool shows_followable(const GrayView& image, const BarRegion& region) {
+bool may_be_followed(const GrayView& image, const BarRegion& region) {
   return has_bars(image, region, 2 * kBarLines.least_bars);
 }
 
@@ -223,30 +223,26 @@ void propose_refused(SearchContext& search) {
   for (const std::size_t index : search.found.covered_frames()) search.propose(RefusedFrame{index});
   for (const BarRegion& region : search.found.odd_bars()) {
     if (!search.found.has_reading_at(region.centre) &&
-        shows_followable(search.picture.image(), region)) {
+        may_be_followed(search.picture.image(), region)) {
       search.propose(region);
     }
   }
 }
 
-// Where something was read and nothing was in the way, the largest alone of the regions that were
-// found to be much like a symbol.
 // Why: docs/decisions/0008-search-and-its-cost.md.
 void propose_bars(SearchContext& search) {
+  if (search.found.has_read_any() && !search.found.has_met_covers()) return;
   SearchedImage& picture = search.picture;
-  const bool everywhere = !search.found.has_read_any() || search.found.has_met_covers();
-  std::ranges::stable_sort(search.symbols, std::ranges::greater{}, &BarRegion::length);
   std::vector<BarRegion> proposed;
-  for (const BarRegion& region : everywhere ? picture.bars() : search.symbols) {
+  for (const BarRegion& region : picture.bars()) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
     if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
-        (!everywhere && search.found.was_looked_at(region)) || runs_off(picture.image(), region) ||
-        (everywhere && !shows_followable(picture.image(), region))) {
+        runs_off(picture.image(), region) || !may_be_followed(picture.image(), region)) {
       continue;
     }
     search.propose(region);
     proposed.push_back(region);
-    if (proposed.size() == (everywhere ? kSearch.most_tries : 1)) break;
+    if (proposed.size() == kSearch.most_tries) break;
   }
 }
 

@@ -42,7 +42,7 @@ void propose_pieces(SearchContext& search);
 // Frames that were refused and may be covered, and the bars in them.
 void propose_refused(SearchContext& search);
 
-// Bars that no reading explains.
+// Bars that no reading explains, where nothing was read or something was in the way.
 void propose_bars(SearchContext& search);
 
 }  // namespace tagsmith::detail

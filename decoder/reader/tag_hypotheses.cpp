@@ -110,12 +110,6 @@ std::vector<BarRegion> TagHypotheses::odd_bars() const {
   return regions;
 }
 
-bool TagHypotheses::was_looked_at(const BarRegion& region) const {
-  return std::ranges::any_of(all_, [&](const TagHypothesis& other) {
-    return other.odd_bars && distance(other.odd_bars->centre, region.centre) < 0.25 * region.length;
-  });
-}
-
 std::size_t TagHypotheses::to_be_looked_at() const {
   const auto asks = [](const TagHypothesis& hypothesis) {
     return hypothesis.may_be_covered || hypothesis.odd_bars.has_value();

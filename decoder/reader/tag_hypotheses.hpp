@@ -82,9 +82,6 @@ class TagHypotheses {
   // Bars in refused frames that may stand in other frames than these.
   std::vector<BarRegion> odd_bars() const;
 
-  // Whether bars of about this place are among those.
-  bool was_looked_at(const BarRegion& region) const;
-
   // How many of them ask for a careful look, at a frame or at the bars inside.
   std::size_t to_be_looked_at() const;
 

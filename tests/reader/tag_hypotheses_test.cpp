@@ -172,8 +172,6 @@ TEST_CASE("covered frames and odd bars are counted as asking for a careful look,
   CHECK(found.covered_frames() == std::vector<std::size_t>{2});
   CHECK(found.odd_bars().size() == 1);
   CHECK(found.to_be_looked_at() == 2);
-  CHECK(found.was_looked_at(bars_at({230, 100})));
-  CHECK(!found.was_looked_at(bars_at({260, 100})));
 }
 
 TEST_CASE("a tag that was read behind something tells of covers") {
