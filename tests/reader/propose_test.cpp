@@ -91,6 +91,23 @@ bool is_of(const BarRegion& region, const SeenTag& tag) {
          std::abs(region.length / expected.length - 1) < 0.25;
 }
 
+// How many regions of bars are followed where this frame was read, by this method.
+std::size_t followed_beside(const SeenTag& tag, const Quad& corners, ReadingMethod method) {
+  Proposed proposed(tag);
+  TagHypothesis read{.rough = corners};
+  Reading reading;
+  reading.corners = corners;
+  reading.method = method;
+  read.outcome = std::move(reading);
+  TagHypotheses found{FrameShape{}};
+  found.keep(std::move(read));
+  std::size_t count = 0;
+  SearchContext search{proposed.picture, proposed.options, found,
+                       [&](const Proposal&) { ++count; }};
+  propose_bars(search);
+  return count;
+}
+
 // Something dark over the frame and the bars, from above to below.
 PlaneCover cable_at(double x) { return {x, -60, x + 6, 60, 0.05}; }
 
@@ -282,6 +299,15 @@ TEST_CASE("bars that no reading explains are proposed where they are") {
   const std::vector<BarRegion> bars = proposed.places<BarRegion>();
   REQUIRE(bars.size() == 1);
   CHECK(is_of(bars[0], tag));
+}
+
+TEST_CASE("bars beside a tag that was read are proposed where something was in its way") {
+  SeenTag tag = large_seen_aslant();
+  tag.framed = false;
+  const Quad elsewhere{{{5, 5}, {45, 5}, {45, 25}, {5, 25}}};
+  CHECK(followed_beside(tag, elsewhere, ReadingMethod::frame) == 0);
+  CHECK(followed_beside(tag, elsewhere, ReadingMethod::partly_covered) == 1);
+  CHECK(followed_beside(tag, tag.corners(), ReadingMethod::partly_covered) == 0);
 }
 
 TEST_CASE("bars that were read or that run off the picture are not proposed") {
