@@ -193,8 +193,9 @@ NormalEquations accumulate(const Parameters& p, const SideSamples& samples, cons
   right.setZero();
   for (const FourSamples& four : samples.fours) {
     const WeighedSamples rows = weighed(model, four, per_scale);
-    matrix.noalias() += rows.terms * rows.terms.transpose();
-    right.noalias() += rows.terms * rows.residual;
+    // Too small for the blocked product that Eigen would choose.
+    matrix += rows.terms.lazyProduct(rows.terms.transpose());
+    right += rows.terms.lazyProduct(rows.residual);
     squares += rows.residual.squaredNorm();
     cost += rows.cost;
     total += rows.weight;

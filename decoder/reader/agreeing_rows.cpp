@@ -70,9 +70,9 @@ DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels, double top
     if (v >= top && v <= bottom) used.push_back(row);
   }
   const auto bins = static_cast<Eigen::Index>(rows.bins);
-  const Cells none(bins, static_cast<Eigen::Index>(used.size()));
-  DarkRows dark{none, none, none};
-  for (Eigen::Index k = 0; k < none.cols(); ++k) {
+  const auto count = static_cast<Eigen::Index>(used.size());
+  DarkRows dark{Cells(bins, count), Cells(bins, count), Cells(bins, count)};
+  for (Eigen::Index k = 0; k < count; ++k) {
     const std::size_t row = used[static_cast<std::size_t>(k)];
     const RowCell& first = rows.cell(row, 0);
     const Bins white = level_along(rows, levels.white, rows.height_of(row));

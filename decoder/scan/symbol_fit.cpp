@@ -207,11 +207,12 @@ NuisanceCovariance nuisance_covariance(const ScanProfile& profile, const Imaging
   NormalEquations normal = normal_equations(places);
   add_priors(Parameters::Zero(), normal);
   const Eigen::LLT<ParameterMatrix> root(normal.matrix);
-  const ParameterMatrix inverse = root.matrixL().solve(ParameterMatrix::Identity());
+  const Eigen::Matrix<float, kParameters, kParameters> inverse =
+      root.matrixL().solve(ParameterMatrix::Identity()).cast<float>();
   NuisanceCovariance slack(places.size());
   for (std::size_t i = 0; i < slack.size(); ++i) {
-    const double sigma = std::sqrt(profile[i].variance);
-    slack[i] = (sigma * (inverse * places[i].by_parameter.cast<double>())).cast<float>();
+    const auto sigma = static_cast<float>(std::sqrt(profile[i].variance));
+    slack[i] = sigma * inverse.lazyProduct(places[i].by_parameter);
   }
   return slack;
 }

@@ -13,7 +13,7 @@ namespace tagsmith::detail {
 // When to stop.
 struct DampedSteps {
   int most = 40;          // steps, those that were not taken included
-  double settled = 3e-5;  // of the cost: a step that gains less is the last
+  double settled = 3e-5;  // of the cost: a step that gains or promises less is the last
   double damping = 1e-3;  // of the first step
 };
 
@@ -21,7 +21,8 @@ struct DampedSteps {
 // normal matrix' diagonal that grows while there is no step or it gains nothing. `equations_at(p)`
 // gives a struct with the normal equations there: `matrix`, `right` (half the cost falls by its
 // product with a small step) and `cost`. `constrain(p)` puts parameters back to where the model
-// means something. Moves `p` and returns the equations where it comes to rest.
+// means something. Moves `p` to where it comes to rest and returns the equations there, or one step
+// of less than `settled` before.
 template <class Parameters, class EquationsAt, class Constrain>
 auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt& equations_at,
                      const Constrain& constrain) {
@@ -38,10 +39,13 @@ auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt&
     }
     Parameters next = p + move;
     constrain(next);
+    // What the normal equations promise is what a step so small gains, as far as rounding shows it.
+    if (move.dot(now.right) < steps.settled * now.cost) {
+      p = next;
+      break;
+    }
     auto tried = equations_at(std::as_const(next));
     if (!(tried.cost < now.cost)) {
-      // Where the normal equations promise no more than this, it is rounding that raised the cost.
-      if (move.dot(now.right) < steps.settled * now.cost) break;
       damping *= 10;
       continue;
     }
