@@ -63,24 +63,38 @@ std::optional<Quad> straightened(const LensDistortion& lens, const Quad& corners
   return straight;
 }
 
+// A place of a side: -1 at its begin, 1 at its end; and how far the side bows there, as a share of
+// 1 - s^2.
+struct BowedPlace {
+  double s = 0;
+  double bow = 0;
+};
+
+// What a lens makes of the straight line between two points of its plane, so far along it, seen from
+// the side between their pixels. Nothing where the lens shows none of it, or next to the ends.
+std::optional<BowedPlace> bowed_place(const LensDistortion& lens, const SideLine& side,
+                                      PixelPoint from, PixelPoint to, double share) {
+  const auto pixel = lens.bent((1 - share) * from + share * to);
+  if (!pixel) return std::nullopt;
+  const PixelPoint off = *pixel - side.begin;
+  const double s = 2 * dot(off, side.along) / distance(side.begin, side.end) - 1;
+  if (!(std::abs(s) < 0.995)) return std::nullopt;
+  return BowedPlace{s, dot(off, side.outward) / (1 - s * s)};
+}
+
 // The curve through a bent side's ends and its pixels at five places.
 SideSagitta bow_between(const LensDistortion& lens, const SideLine& side, PixelPoint from,
                         PixelPoint to) {
-  constexpr std::array<double, 5> kPlaces{0.04, 0.22, 0.5, 0.78, 0.96};
-  constexpr auto kCount = static_cast<Eigen::Index>(kPlaces.size());
-  const double side_length = distance(side.begin, side.end);
+  constexpr std::array<double, 5> kShares{0.04, 0.22, 0.5, 0.78, 0.96};
+  constexpr auto kCount = static_cast<Eigen::Index>(kShares.size());
   Eigen::Matrix<double, kCount, kCount> powers;
   Eigen::Matrix<double, kCount, 1> series;
   for (Eigen::Index i = 0; i < kCount; ++i) {
-    const double place = kPlaces[static_cast<std::size_t>(i)];
-    const auto pixel = lens.bent((1 - place) * from + place * to);
-    if (!pixel) return {};
-    const PixelPoint off = *pixel - side.begin;
-    const double s = 2 * dot(off, side.along) / side_length - 1;
-    if (!(std::abs(s) < 0.995)) return {};
-    series[i] = dot(off, side.outward) / (1 - s * s);
+    const auto place = bowed_place(lens, side, from, to, kShares[static_cast<std::size_t>(i)]);
+    if (!place) return {};
+    series[i] = place->bow;
     double power = 1;
-    for (Eigen::Index k = 0; k < kCount; ++k, power *= s) powers(i, k) = power;
+    for (Eigen::Index k = 0; k < kCount; ++k, power *= place->s) powers(i, k) = power;
   }
   const Eigen::Matrix<double, kCount, 1> c = least_squares(powers, series);
   SideSagitta bow;
@@ -88,17 +102,29 @@ SideSagitta bow_between(const LensDistortion& lens, const SideLine& side, PixelP
   return bow;
 }
 
+// How far the sides bow amid their length, or near it where they are seen aslant: a small
+// lambda bows a side alike everywhere, as a share of 1 - s^2.
+std::array<double, 4> bows_amid(const LensDistortion& lens, const Quad& corners) {
+  std::array<double, 4> bows{};
+  const std::optional<Quad> straight = straightened(lens, corners);
+  if (!straight) return bows;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto place =
+        bowed_place(lens, side_of(corners, i), (*straight)[i], (*straight)[(i + 1) % 4], 0.5);
+    if (place) bows[i] = place->bow;
+  }
+  return bows;
+}
+
 // The change of the sides' bows with lambda.
 std::array<double, 4> bows_by_lambda(const Quad& corners, PixelPoint centre, double lambda) {
   double farthest = 1;
   for (const PixelPoint& corner : corners) farthest = std::max(farthest, distance(corner, centre));
   const double step = 1e-3 / (farthest * farthest);
-  const SideSagittas more = sagittas_of(LensDistortion::radial(centre, lambda + step), corners);
-  const SideSagittas less = sagittas_of(LensDistortion::radial(centre, lambda - step), corners);
+  const auto more = bows_amid(LensDistortion::radial(centre, lambda + step), corners);
+  const auto less = bows_amid(LensDistortion::radial(centre, lambda - step), corners);
   std::array<double, 4> by_lambda{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    by_lambda[i] = (more[i].middle() - less[i].middle()) / (2 * step);
-  }
+  for (std::size_t i = 0; i < 4; ++i) by_lambda[i] = (more[i] - less[i]) / (2 * step);
   return by_lambda;
 }
 
