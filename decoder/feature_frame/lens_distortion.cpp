@@ -70,8 +70,8 @@ struct BowedPlace {
   double bow = 0;
 };
 
-// What a lens makes of the straight line between two points of its plane, so far along it, seen from
-// the side between their pixels. Nothing where the lens shows none of it, or next to the ends.
+// What a lens makes of the straight line between two points of its plane, so far along it, seen
+// from the side between their pixels. Nothing where the lens shows none of it, or next to the ends.
 std::optional<BowedPlace> bowed_place(const LensDistortion& lens, const SideLine& side,
                                       PixelPoint from, PixelPoint to, double share) {
   const auto pixel = lens.bent((1 - share) * from + share * to);
