@@ -134,43 +134,94 @@ void add_lens_doubt(FrameFit& fit) {
   }
 }
 
-// Fits the frame and what its sides tell of the lens in turn, until neither changes.
-FrameResult<RefinedFrame> fit_with_lens(const Sight& sight, const Quad& settled, PixelPoint centre,
-                                        double lambda) {
-  ToldLens told{{lambda, 0}, {}};
-  FrameResult<FrameFit> fit = fit_frame(sight, settled, centre, told);
-  if (!fit && lambda != 0) {
-    told = {};
-    fit = fit_frame(sight, settled, centre, told);
+// A frame of which the sides are to tell of the lens.
+// Why: docs/decisions/0006-lens-and-tone.md.
+class LensSearch {
+ public:
+  LensSearch(const Sight& sight, const Quad& settled, PixelPoint centre, double lambda)
+      : sight_(sight), centre_(centre), told_{{lambda, 0}, {}} {
+    fit_ = fit_frame(sight, settled, centre, told_);
+    if (fit_ || lambda == 0) return;
+    told_ = {};
+    fit_ = fit_frame(sight, settled, centre, told_);
   }
-  if (!fit) return tl::unexpected(fit.error());
-  const auto fit_again = [&](const ToldLens& next) {
-    FrameResult<FrameFit> again = fit_frame(sight, fit->frame.corners, centre, next);
-    if (!again) return false;
-    fit = std::move(again);
-    told = next;
-    return true;
-  };
-  for (int round = 0; round < kEdgeFit.rounds; ++round) {
-    const double now = told.radial.lambda;
-    const auto radial = lens_of_sides(fit->frame.corners, fit->bows, centre, now);
-    if (!radial) {
-      if (now != 0 && !fit_again({})) break;
-      add_unseen_lens_doubt(*fit, centre);
-      return fit->frame;
+
+  // Fits the frame and what its sides tell of the lens in turn, until neither changes.
+  FrameResult<RefinedFrame> found() {
+    if (!fit_) return tl::unexpected(fit_.error());
+    if (!settle_lens()) {
+      add_unseen_lens_doubt(*fit_, centre_);
+      return fit_->frame;
     }
-    if (std::abs(radial->lambda - now) < radial->sigma) break;
-    if (!fit_again({*radial, {}})) break;
+    let_bow();
+    // What each side bows by itself tells the lens where one for all of them has not settled.
+    const double before = told_.radial.lambda;
+    const auto radial = lens_of_bows();
+    if (radial && std::abs(radial->lambda - before) > radial->sigma && fit_again({*radial, {}}))
+      let_bow();
+    add_lens_doubt(*fit_);
+    fit_->frame.lens_doubt =
+        std::abs(told_.radial.lambda);  // of the model its sides alone are sure
+    return fit_->frame;
   }
-  for (int round = 0; round < kEdgeFit.rounds; ++round) {
-    ToldLens next = told;
-    for (std::size_t i = 0; i < 4; ++i) next.beyond[i] += fit->bows[i].beyond;
-    if (!fit_again(next)) break;
+
+ private:
+  bool fit_again(const ToldLens& next) {
+    FrameResult<FrameFit> again = fit_frame(sight_, fit_->frame.corners, centre_, next);
+    if (!again) return false;
+    fit_ = std::move(again);
+    told_ = next;
+    return true;
   }
-  add_lens_doubt(*fit);
-  fit->frame.lens_doubt = std::abs(told.radial.lambda);  // of the model its sides alone are sure
-  return fit->frame;
-}
+
+  // One lens for all sides; false where they tell of none.
+  bool settle_lens() {
+    for (int round = 0; round < kEdgeFit.rounds; ++round) {
+      const double now = told_.radial.lambda;
+      auto radial = lens_of_bows();
+      if (!radial && now == 0) radial = lens_when_bowed();
+      if (!radial) return now != 0 && !fit_again({});
+      if (std::abs(radial->lambda - now) < radial->sigma || !fit_again({*radial, {}})) break;
+    }
+    return true;
+  }
+
+  // Lets each side bow as much as it shows, whatever the lens.
+  void let_bow() {
+    for (int round = 0; round < kEdgeFit.rounds; ++round) {
+      ToldLens next = told_;
+      for (std::size_t i = 0; i < 4; ++i) next.beyond[i] += fit_->bows[i].beyond;
+      if (!fit_again(next)) break;
+    }
+  }
+
+  std::optional<RadialLens> lens_of_bows() const {
+    std::array<SeenSagitta, 4> seen = fit_->bows;
+    for (std::size_t i = 0; i < 4; ++i) seen[i].beyond += told_.beyond[i];
+    return lens_of_sides(fit_->frame.corners, seen, centre_, told_.radial.lambda);
+  }
+
+  // Taken for straight, strongly bowed sides lie on other edges in part, and no lens explains what
+  // they show then: they are asked once more when each has bowed. Leaves the frame as it was where
+  // they tell of no lens then either.
+  std::optional<RadialLens> lens_when_bowed() {
+    const auto bows = [](const SeenSagitta& seen) { return bow_doubt(seen) > 0; };
+    if (std::ranges::none_of(fit_->bows, bows)) return std::nullopt;
+    const FrameFit straight = *fit_;
+    let_bow();
+    const auto radial = lens_of_bows();
+    if (!radial) {
+      fit_ = straight;
+      told_ = {};
+    }
+    return radial;
+  }
+
+  const Sight& sight_;
+  PixelPoint centre_;
+  ToldLens told_;
+  FrameResult<FrameFit> fit_;
+};
 
 }  // namespace
 
@@ -189,8 +240,9 @@ FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settle
                                        bool was_sharpened) {
   const Sight sight{image, shape, was_sharpened};
   const PixelPoint centre{(image.width - 1) / 2.0, (image.height - 1) / 2.0};
-  FrameResult<RefinedFrame> frame = lens.known ? fit_with_known_lens(sight, settled, *lens.known)
-                                               : fit_with_lens(sight, settled, centre, lens.lambda);
+  FrameResult<RefinedFrame> frame = lens.known
+                                        ? fit_with_known_lens(sight, settled, *lens.known)
+                                        : LensSearch(sight, settled, centre, lens.lambda).found();
   if (frame) frame->was_sharpened = was_sharpened;
   return frame;
 }

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames whose sides a lens bends.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <random>
+#include <span>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/reader/reader.hpp"
+#include "decoder/simulate/render_view.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/tag/drawing.hpp"
 
 using namespace tagsmith::detail;
 
@@ -71,6 +75,31 @@ CornerErrors errors_in(const std::vector<SurveyView>& views, const ReadOptions& 
   return errors;
 }
 
+// The greatest error of a corner of one tag of the corridor, pixels, which a camera that the reader
+// does not know sees at a pixel with so many pixels a module; nothing where it is not read.
+std::optional<double> error_far_out(const Camera& camera, const Eigen::Vector2d& pixel,
+                                    double module_px, double yaw) {
+  const Digits& digits = corridor().tags.front().digits;
+  ScenePlate plate;
+  plate.drawing = draw_tag(corridor().tag_template, digits);
+  const double away = camera.fx * plate.drawing.module / module_px;
+  plate.camera_from_plate =
+      camera_from_turned_plate(camera, plate.drawing, pixel, away, yaw, 0, radians(-8));
+  ViewOptions options;
+  options.sensor.blur_sigma_px = 0.4;
+  options.sensor.noise_sigma = 1.5;
+  const View view = render_view(camera, std::span(&plate, 1), options);
+  const ReadResult result = read_tags(view.image.view());
+  if (result.tags.size() != 1 || result.tags.front().digits != digits) return std::nullopt;
+  double greatest = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const PixelPoint& at = result.tags.front().corners[i];
+    greatest =
+        std::max(greatest, (Eigen::Vector2d(at.x, at.y) - *view.plates.front().corners[i]).norm());
+  }
+  return greatest;
+}
+
 std::optional<PixelPoint> there_and_back(const LensDistortion& lens, PixelPoint pixel) {
   const auto straight = lens.straightened(pixel);
   return straight ? lens.bent(*straight) : std::nullopt;
@@ -92,6 +121,23 @@ TEST_CASE("a lens that bends the frame's sides does not shift its corners") {
     CHECK(by_camera.mean() < 0.03);
     CHECK(by_sides.mean() < 0.15);
   }
+}
+
+TEST_CASE("sides far from the middle of a strongly bending lens tell which it is") {
+  const Camera camera{1280, 960, 800, 800, 639.5, 479.5, {-0.35, 0.125}};
+  int asked = 0, near = 0;
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(160, 330), Eigen::Vector2d(160, 620),
+                                       Eigen::Vector2d(1120, 340), Eigen::Vector2d(1120, 640)}) {
+    for (const double module_px : {1.2, 1.6, 2.0}) {
+      for (const double yaw : {-30.0, 0.0, 30.0}) {
+        const auto error = error_far_out(camera, pixel, module_px, radians(yaw));
+        ++asked;
+        near += error && *error < 0.5 ? 1 : 0;
+      }
+    }
+  }
+  MESSAGE(near << " of " << asked << " tags with corners within half a pixel");
+  CHECK(near >= 30);
 }
 
 TEST_CASE("what is straightened is bent back to where it was") {
