@@ -160,8 +160,8 @@ class LensSearch {
     if (radial && std::abs(radial->lambda - before) > radial->sigma && fit_again({*radial, {}}))
       let_bow();
     add_lens_doubt(*fit_);
-    fit_->frame.lens_doubt =
-        std::abs(told_.radial.lambda);  // of the model its sides alone are sure
+    // Of the model its sides alone are sure.
+    fit_->frame.lens_doubt = std::abs(told_.radial.lambda);
     return fit_->frame;
   }
 
