@@ -105,32 +105,43 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, PixelPo
   return fit_frame(sight, settled, lens, told.beyond);
 }
 
-// What a side that bows more than its lens says may be off by: the square of two thirds of that,
-// where it is no noise.
-double bow_doubt(const SeenSagitta& seen) {
-  const double square = seen.beyond * seen.beyond;
-  return square > kBeyondNoise * kBeyondNoise * seen.variance ? 4.0 / 9 * square : 0;
+// By how much a side bows beyond what its lens gives, pixels; zero where that may be noise.
+double clear_bow(const SeenSagitta& seen) {
+  const double bow = std::abs(seen.beyond);
+  return bow > kBeyondNoise * std::sqrt(seen.variance) ? bow : 0;
+}
+
+double greatest_clear_bow(const std::array<SeenSagitta, 4>& sides) {
+  double greatest = 0;
+  for (const SeenSagitta& side : sides) greatest = std::max(greatest, clear_bow(side));
+  return greatest;
+}
+
+// A line fitted to a bow stands off its ends by two thirds of it.
+Eigen::Matrix2d off_by_bow(double variance) {
+  return Eigen::Matrix2d::Constant(4.0 / 9 * variance);
 }
 
 // What a lens that does not show adds to the covariances of sides that were fitted straight.
 void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
   const UnseenLens unseen = unseen_lens(fit.frame.corners, fit.bows, centre);
   fit.frame.lens_doubt = unseen.lambda;
+  const double shape = fit.frame.unexplained_bow;
   for (std::size_t i = 0; i < 4; ++i) {
-    const double doubt =
-        std::max(4.0 / 9 * unseen.bows[i] * unseen.bows[i], bow_doubt(fit.bows[i]));
-    fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
+    fit.frame.sides[i].covariance +=
+        off_by_bow(unseen.bows[i] * unseen.bows[i]) + Eigen::Matrix2d::Identity() * shape * shape;
   }
 }
 
-// What an unknown lens adds to the sides' covariances: a line fitted to a bow stands off its ends
-// by two thirds of it, and real lenses bow sides in ways that are not quite those of the model.
+// What an unknown lens adds to the sides' covariances. Real lenses bow sides in ways that are not
+// quite those of the model: by as much as the side that it explains worst.
 void add_lens_doubt(FrameFit& fit) {
   const SideSagittas bows = sagittas_of(fit.frame.lens, fit.frame.corners);
   for (std::size_t i = 0; i < 4; ++i) {
-    const double shape = kLens.shape * bows[i].middle();
-    fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(4.0 / 9 * fit.bows[i].variance) +
-                                     Eigen::Matrix2d::Identity() * shape * shape;
+    const double shape =
+        std::max(kLens.shape * std::abs(bows[i].middle()), fit.frame.unexplained_bow);
+    fit.frame.sides[i].covariance +=
+        off_by_bow(fit.bows[i].variance) + Eigen::Matrix2d::Identity() * shape * shape;
   }
 }
 
@@ -150,6 +161,7 @@ class LensSearch {
   FrameResult<RefinedFrame> found() {
     if (!fit_) return tl::unexpected(fit_.error());
     if (!settle_lens()) {
+      fit_->frame.unexplained_bow = greatest_clear_bow(fit_->bows);
       add_unseen_lens_doubt(*fit_, centre_);
       return fit_->frame;
     }
@@ -159,6 +171,7 @@ class LensSearch {
     const auto radial = lens_of_bows();
     if (radial && std::abs(radial->lambda - before) > radial->sigma && fit_again({*radial, {}}))
       let_bow();
+    fit_->frame.unexplained_bow = greatest_clear_bow(bows_beyond_lens());
     add_lens_doubt(*fit_);
     // Of the model its sides alone are sure.
     fit_->frame.lens_doubt = std::abs(told_.radial.lambda);
@@ -195,18 +208,22 @@ class LensSearch {
     }
   }
 
-  std::optional<RadialLens> lens_of_bows() const {
+  // By how much the sides bow beyond what the lens gives that is told.
+  std::array<SeenSagitta, 4> bows_beyond_lens() const {
     std::array<SeenSagitta, 4> seen = fit_->bows;
     for (std::size_t i = 0; i < 4; ++i) seen[i].beyond += told_.beyond[i];
-    return lens_of_sides(fit_->frame.corners, seen, centre_, told_.radial.lambda);
+    return seen;
+  }
+
+  std::optional<RadialLens> lens_of_bows() const {
+    return lens_of_sides(fit_->frame.corners, bows_beyond_lens(), centre_, told_.radial.lambda);
   }
 
   // Taken for straight, strongly bowed sides lie on other edges in part, and no lens explains what
   // they show then: they are asked once more when each has bowed. Leaves the frame as it was where
   // they tell of no lens then either.
   std::optional<RadialLens> lens_when_bowed() {
-    const auto bows = [](const SeenSagitta& seen) { return bow_doubt(seen) > 0; };
-    if (std::ranges::none_of(fit_->bows, bows)) return std::nullopt;
+    if (greatest_clear_bow(fit_->bows) == 0) return std::nullopt;
     const FrameFit straight = *fit_;
     let_bow();
     const auto radial = lens_of_bows();
@@ -289,11 +306,11 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
     if (!shown[i]) continue;
     const auto side = FittedSide::fit(image, lines[i], kEdgeFit.thin_stroke);
     if (!side || !side->stays_near()) continue;
-    const double doubt = bow_doubt(side->bow());
+    const double doubt = clear_bow(side->bow());
     lines[i] = side->line();
     frame.sides[i] = side->side();
     frame.shown[i] = true;
-    frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
+    frame.sides[i].covariance += off_by_bow(doubt * doubt);
     most_doubt = std::max(most_doubt, doubt);
   }
   if (std::ranges::count(frame.shown, true) < kLeastShown) {
@@ -302,7 +319,7 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
   for (std::size_t i = 0; i < 4; ++i) {
     if (frame.shown[i]) continue;
     frame.sides[i] = hidden_side(frame, hidden_sigma);
-    frame.sides[i].covariance += Eigen::Matrix2d::Constant(most_doubt);
+    frame.sides[i].covariance += off_by_bow(most_doubt * most_doubt);
   }
   const std::optional<Quad> corners = corners_of(lines);
   if (!corners) return fail(FrameFault::not_closed);

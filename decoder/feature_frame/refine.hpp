@@ -22,6 +22,7 @@ struct RefinedFrame {
   std::array<bool, 4> shown{true, true, true, true};
   LensDistortion lens;         // through which it was fitted
   double lens_doubt = 0;       // of an unknown lens: its lambda may be off by as much, 1 / pixels^2
+  double unexplained_bow = 0;  // greatest clear bow of a side beyond its unknown lens, pixels
   bool was_sharpened = false;  // its picture, before that was undone
 };
 

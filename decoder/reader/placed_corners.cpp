@@ -113,7 +113,7 @@ double lens_variance(const SymbolHypothesis& symbol) {
   const RefinedFrame& frame = symbol.frame;
   const double half_length = symbol.profile.module_px * kModuleCount / 2;
   const double unseen = frame.lens_doubt * std::pow(half_length, 3);
-  double bow = 0;
+  double bow = frame.unexplained_bow / kLens.shape;
   for (const SideSagitta& side : sagittas_of(frame.lens, frame.corners)) {
     bow = std::max(bow, std::abs(side.middle()));
   }
