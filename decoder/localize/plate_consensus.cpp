@@ -181,6 +181,12 @@ class Judge {
     return adjust_plates(explanation.problem, freed);
   }
 
+  // True when a fit with one plate hanging elsewhere, but of its right size, is hardly worse than
+  // the explanation that leaves its size free, too.
+  static bool explains(const std::optional<Adjustment>& moved, const PlateExplanation& with_size) {
+    return moved && moved->chi_square <= with_size.adjustment->chi_square + kClearlyBetter;
+  }
+
   bool is_off(std::size_t plate, const PlateOffset& offset) const {
     return excess(offset) > 1 && farthest_corner(found_.problem.plates[plate], offset) > tolerance_;
   }
@@ -199,19 +205,20 @@ class Judge {
     }
     if (found_.freed[plate] == PlateFreedom::none || !result_.plates[plate].offset) return false;
     const auto moved = with(found_, plate, PlateFreedom::place);
-    const double chi_square = found_.adjustment->chi_square;
-    const bool is_moved = moved && moved->chi_square <= chi_square + kClearlyBetter;
+    const bool is_moved = explains(moved, found_);
     PlateCheck& check = result_.plates[plate];
     if (is_moved) check.offset = moved->offsets[plate];
     if (is_moved && !is_off(plate, *check.offset)) return false;
     least_deficit_ = std::numeric_limits<double>::infinity();
     const auto rivals = rivals_of(plate);
     // A small turn of one plate can explain a large shift of another.
-    if (std::ranges::any_of(rivals, [&](const Rival& rival) {
-          return farthest_corner(found_.problem.plates[rival.plate], rival.offset) <= tolerance_;
-        })) {
-      return false;
-    }
+    const auto hangs_well = [&](const Rival& rival) {
+      const bool has_other_size =
+          rival.scale && rival.scale->cause != FrameScale::Cause::size_or_place;
+      return !has_other_size &&
+             farthest_corner(found_.problem.plates[rival.plate], rival.offset) <= tolerance_;
+    };
+    if (std::ranges::any_of(rivals, hangs_well)) return false;
     check.scale = scale_of(found_, plate, moved);
     if (rivals.empty()) judge(plate);
     for (const Rival& rival : rivals) add_rival(plate, rival);
@@ -228,7 +235,7 @@ class Judge {
   // The plate as an explanation that takes it out has it.
   std::optional<Rival> rival_by(const PlateExplanation& instead, std::size_t plate) const {
     const auto moved = with(instead, plate, PlateFreedom::place);
-    const auto& offset = (moved ? moved : instead.adjustment)->offsets[plate];
+    const auto& offset = (explains(moved, instead) ? moved : instead.adjustment)->offsets[plate];
     if (!offset) return std::nullopt;
     return Rival{plate, *offset, scale_of(instead, plate, moved)};
   }
@@ -262,18 +269,24 @@ class Judge {
     result_.plates[rival.plate].scale = rival.scale;
   }
 
-  // The size at which the frame, in its place, explains what it shows; nothing when an offset
-  // explains it clearly better. `moved` is the fit with the plate hanging anywhere.
+  // The size at which the frame explains what it shows, in its place where it does so there;
+  // nothing when an offset explains it clearly better. `moved` is the fit with the plate hanging
+  // anywhere.
   std::optional<FrameScale> scale_of(const PlateExplanation& explanation, std::size_t plate,
                                      const std::optional<Adjustment>& moved) const {
     constexpr double kOfPose = 5;  // parameters that an offset has more
+    using enum FrameScale::Cause;
+    const bool is_moved = explains(moved, explanation);
+    const Adjustment& by_both = *explanation.adjustment;
+    const double to_beat = is_moved ? moved->chi_square : by_both.chi_square;
     const auto sized = with(explanation, plate, PlateFreedom::size);
-    if (!sized) return std::nullopt;
-    const double by_both = explanation.adjustment->chi_square;
-    const bool is_moved = moved && moved->chi_square <= by_both + kClearlyBetter;
-    const double to_beat = is_moved ? moved->chi_square : by_both;
-    if (sized->chi_square > to_beat + kOfPose + kClearlyBetter) return std::nullopt;
-    return FrameScale{sized->size[plate], least_seen(explanation, plate, *sized, moved), !is_moved};
+    if (sized && sized->chi_square <= to_beat + kOfPose + kClearlyBetter) {
+      return FrameScale{sized->size[plate], least_seen(explanation, plate, *sized, moved),
+                        is_moved ? size_or_place : size};
+    }
+    if (is_moved) return std::nullopt;
+    return FrameScale{by_both.size[plate], least_seen(explanation, plate, by_both, {}),
+                      size_and_place};
   }
 
   // The least error of size that would be seen: one smaller is no longer beyond chance, looks like

@@ -30,9 +30,12 @@ enum class HangDoubt {
 
 // Of a frame that was printed at another size.
 struct FrameScale {
-  double share = 1;      // of the template's size
-  double least = 0;      // difference from 1 that would have been seen in 95 of 100
-  bool certain = false;  // no offset by itself explains the pictures
+  // What explains the pictures: one or the other, the size alone, or only both together.
+  enum class Cause { size_or_place, size, size_and_place };
+
+  double share = 1;  // of the template's size
+  double least = 0;  // difference from 1 that would have been seen in 95 of 100
+  Cause cause = Cause::size_or_place;
 };
 
 struct PlateCheck {
@@ -47,8 +50,7 @@ struct PlateCheck {
   int stations = 0;  // that saw it together with another
   // Of a plate that is off: each hangs where the other should, and `offset` is from there.
   std::optional<std::size_t> swapped_with;
-  // Of a plate that is off or doubtful: that it hangs in its place and its frame is of this size
-  // explains the pictures as well.
+  // Of a plate that is off or doubtful: the size of its frame, where that explains the pictures.
   std::optional<FrameScale> scale;
 };
 

@@ -188,11 +188,11 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
     tag.message = fmt::format("{} hangs on the {} wall, expected on the {}", tag.tag,
                               to_string(surveyed.side == Side::left ? Side::right : Side::left),
                               to_string(surveyed.side));
-  } else if (check.scale && check.scale->certain) {
+  } else if (check.scale && check.scale->cause == FrameScale::Cause::size) {
     tag.rule = "wrong-scale";
     tag.message = fmt::format("{} in its surveyed place has {}: measure the frame", tag.tag,
                               frame_of(*check.scale));
-  } else if (check.scale) {
+  } else if (check.scale && check.scale->cause == FrameScale::Cause::size_or_place) {
     tag.rule = "wrong-scale";
     tag.message = fmt::format(
         "{} in its surveyed place has {} (printed to fit a page?), or it hangs elsewhere: measure "
@@ -202,6 +202,9 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
     tag.rule = "moved";
     tag.message = fmt::format("{} hangs {} from its surveyed place: {}", tag.tag,
                               millimetres(farthest_corner(plate, *check.offset)), instruction(tag));
+    if (check.scale) {
+      tag.message += fmt::format("; and it has {}: measure the frame", frame_of(*check.scale));
+    }
     if (check.verdict == HangVerdict::off) {
       tag.placed = entry_of(survey, surveyed, pose, *check.offset);
     }
@@ -264,9 +267,17 @@ std::string cure(const AdjustmentProblem& problem, const HungTag& tag, const Pla
     return fmt::format("if it is {}, exchange it with {}", tag.tag,
                        problem.plates[*check.swapped_with].name);
   }
-  std::string cure = fmt::format("if it is {}, {}", tag.tag, instruction(tag));
-  if (!check.scale) return cure;
-  return fmt::format("{}, unless it has {}", cure, frame_of(*check.scale));
+  if (!check.scale) return fmt::format("if it is {}, {}", tag.tag, instruction(tag));
+  const std::string frame = frame_of(*check.scale);
+  switch (check.scale->cause) {
+    case FrameScale::Cause::size:
+      return fmt::format("if it is {}, it has {}", tag.tag, frame);
+    case FrameScale::Cause::size_and_place:
+      return fmt::format("if it is {}, {}, and it has {}", tag.tag, instruction(tag), frame);
+    case FrameScale::Cause::size_or_place:
+      break;
+  }
+  return fmt::format("if it is {}, {}, unless it has {}", tag.tag, instruction(tag), frame);
 }
 
 // By how much the plate would be turned in its place, radians.
@@ -302,13 +313,15 @@ void name_doubts(const Survey& survey, const AdjustmentProblem& problem, const C
     const PlateCheck& check = consensus.plates[i];
     if (check.doubt != HangDoubt::rivals) continue;
     double least_turn = turn_of(check);
+    double apart = farthest_corner(problem.plates[i], *check.offset);
     for (const std::size_t rival : check.rivals) {
-      least_turn = std::min(least_turn, turn_of(consensus.plates[rival]));
+      const PlateCheck& other = consensus.plates[rival];
+      least_turn = std::min(least_turn, turn_of(other));
+      apart = std::max(apart, farthest_corner(problem.plates[rival], *other.offset));
     }
     tags[i].rule = "contradiction";
-    const std::string what = fmt::format(
-        "{} and {} do not fit together by {}", tags[i].tag, fmt::join(tags[i].rivals, ", "),
-        millimetres(farthest_corner(problem.plates[i], *check.offset)));
+    const std::string what = fmt::format("{} and {} do not fit together by {}", tags[i].tag,
+                                         fmt::join(tags[i].rivals, ", "), millimetres(apart));
     if (least_turn > kMostTurned) {
       tags[i].message = fmt::format(
           "{}: whichever hangs wrong would be turned by {:.0f} degrees and more, as no plate hangs "

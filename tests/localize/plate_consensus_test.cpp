@@ -196,6 +196,26 @@ TEST_CASE("of two plates seen together nothing tells which is off, of three the 
   CHECK(told.plates[site.index("001R")].verdict == HangVerdict::fits);
 }
 
+TEST_CASE("a plate that hangs elsewhere is told though another's place and size explain it") {
+  for (const double by : {-0.03, 0.0, 0.03}) {
+    for (const double y : {-0.3, 0.3, 0.9}) {
+      for (const double other_y : {0.0, 0.6, 1.2}) {
+        CAPTURE(by);
+        CAPTURE(y);
+        CAPTURE(other_y);
+        CorridorHungByEye site;
+        site.move("002L", {by, 0, 0});
+        std::mt19937_64 random(4);
+        AdjustmentProblem problem = problem_of(site);
+        problem.stations = {seen_from(site, y, {"002L", "002R"}, random),
+                            seen_from(site, other_y, {"001R", "002R"}, random)};
+        const PlateCheck check = find_consensus(problem).plates[site.index("002L")];
+        CHECK((check.verdict == HangVerdict::fits) == (by == 0));
+      }
+    }
+  }
+}
+
 TEST_CASE("a plate off by less than the tolerance fits") {
   CorridorHungByEye site;
   site.move("001L", {0.007, 0, 0});
@@ -413,7 +433,7 @@ TEST_CASE("a plate of another size, seen from near and far, accuses none that ha
     CHECK(consensus.plates[i].verdict == (i == small ? HangVerdict::off : HangVerdict::fits));
   }
   REQUIRE(consensus.plates[small].scale);
-  CHECK(consensus.plates[small].scale->certain);
+  CHECK(consensus.plates[small].scale->cause == FrameScale::Cause::size);
   CHECK(consensus.plates[small].scale->share == doctest::Approx(0.95).epsilon(0.001));
 }
 
