@@ -113,9 +113,25 @@ bool is_symbol_like(const SymbolHypothesis& symbol) {
          std::abs(decoding.fit.image.growth) <= kJudge.most_growth;
 }
 
+namespace {
+
+// Whether bars are left of what the decoding says: half the elements of a symbol are one module
+// wide, and blurred by more than can be read any edge fits as bars do, so that only what fits well
+// says anything.
+bool has_bars(const Decoding& decoding) {
+  constexpr double kVanished = 1.5;  // modules of growth: an element's, and what blur adds to it
+  const SymbolFit& fit = decoding.fit;
+  if (std::abs(fit.image.growth) > kVanished) return false;
+  return fit.image.blur <= kJudge.most_blur ||
+         (fit.explained >= kJudge.explained && decoding.guards >= kJudge.guards);
+}
+
+}  // namespace
+
 bool may_be_symbol(const SymbolHypothesis& symbol) {
   constexpr double kHalfExplained = 0.5;  // what glare leaves of a tag, and hardly a wall shows
   const Decoding& decoding = symbol.decoding;
+  if (!has_bars(decoding)) return false;
   const ImagingModel& image = decoding.fit.image;
   const bool is_like_one =
       decoding.fit.explained > kHalfExplained || decoding.guards > kJudge.like_symbol;

@@ -45,8 +45,9 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
 bool is_symbol_like(const SymbolHypothesis& symbol);
 
 // Whether what is inside a frame may be a symbol that cannot be read: it is symbol-like, or its
-// bars are as dark as the frame and it explains half of the profile or has guard patterns. If not,
-// the frame is no tag's: joints of bricks, a grating on a plate.
+// bars are as dark as the frame and it explains half of the profile or has guard patterns; and what
+// growth and blur leave of its bars tells that. If not, the frame is no tag's: joints of bricks, a
+// grating on a plate, a cell of wire mesh.
 bool may_be_symbol(const SymbolHypothesis& symbol);
 
 // The symbol that is read for certain without the code book and is in none of its codes, where

@@ -90,6 +90,26 @@ TEST_CASE("bars that lost more than narrow elements have are no symbol-like ones
   CHECK(!is_symbol_like(*found));
 }
 
+TEST_CASE("what growth or blur leave no bars of is told as a tag only where bars explain it well") {
+  const DrawnSymbol symbol(kDrawnDigits, 3);
+  const auto found = quick_hypothesis(symbol.image.view(), symbol.frame(), {});
+  REQUIRE(found);
+  CHECK(may_be_symbol(*found));
+  // Grown like the cells of a wire mesh are, though by all else it is a symbol.
+  for (const double growth : {-2.0, 2.0}) {
+    SymbolHypothesis grown = *found;
+    grown.decoding.fit.image.growth = growth;
+    CHECK(!may_be_symbol(grown));
+  }
+  SymbolHypothesis blurred = *found;
+  blurred.decoding.fit.image.blur = 3;
+  CHECK(may_be_symbol(blurred));
+  blurred.decoding.fit.explained = 0.85;
+  CHECK(!may_be_symbol(blurred));
+  blurred.decoding.fit.image.blur = 2;
+  CHECK(may_be_symbol(blurred));
+}
+
 TEST_CASE("a hidden side is where the bars put it") {
   const DrawnSymbol symbol(kDrawnDigits, 3);
   RefinedFrame frame = symbol.frame();
