@@ -113,12 +113,11 @@ double lens_variance(const SymbolHypothesis& symbol) {
   const RefinedFrame& frame = symbol.frame;
   const double half_length = symbol.profile.module_px * kModuleCount / 2;
   const double unseen = frame.lens_doubt * std::pow(half_length, 3);
-  double bow = frame.unexplained_bow / kLens.shape;
+  double shape = frame.unexplained_bow;
   for (const SideSagitta& side : sagittas_of(frame.lens, frame.corners)) {
-    bow = std::max(bow, std::abs(side.middle()));
+    shape = std::max(shape, kLens.shape * std::abs(side.middle()));
   }
-  const double shape = 2 * kLens.shape * bow;
-  return unseen * unseen + shape * shape;
+  return unseen * unseen + 4 * shape * shape;
 }
 
 // Enters the two ends of side 0 or 2 by where the bars end. What is not known of a lens turns that

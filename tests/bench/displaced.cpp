@@ -303,7 +303,7 @@ int main(int argc, char** argv) {
   const int rows = argc > 1 ? std::atoi(argv[1]) : 24;
   const std::uint64_t seed = argc > 2 ? 1000 * std::strtoull(argv[2], nullptr, 10) : 0;
   fmt::print(
-      "| pictures | one tag is off by | trials | it is named | one of two | missed | others "
+      "| pictures | one tag is off by | trials | it is named | doubtful | missed | others "
       "accused |\n|---|---|---|---|---|---|---|\n");
   for (const char* name : {"corridor", "curved"}) {
     const PictureSet set = shipped(name);
