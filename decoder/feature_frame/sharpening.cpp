@@ -312,6 +312,8 @@ void add_halo_doubt(const Quad& before, RefinedFrame& frame) {
 
 UnsharpenedImage::UnsharpenedImage(const GrayView& image)
     : sharp_(image), image_{image.width, image.height, {}, image.is_negative} {
+  image_.samples.reserve(static_cast<std::size_t>(image.width) *
+                         static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y) {
     image_.samples.insert(image_.samples.end(), image.row(y), image.row(y) + image.width);
   }
@@ -367,31 +369,6 @@ std::vector<float> gaussian(double sigma) {
   return weights;
 }
 
-// Beyond its borders a picture goes on as it is there.
-Plane smoothed(const Plane& plane, const std::vector<float>& weights) {
-  const auto reach = static_cast<Eigen::Index>(weights.size()) - 1;
-  const Eigen::Index width = plane.rows(), height = plane.cols();
-  Plane across(width, height), padded(width + 2 * reach, 1);
-  for (Eigen::Index y = 0; y < height; ++y) {
-    padded.col(0) << Eigen::ArrayXf::Constant(reach, plane(0, y)), plane.col(y),
-        Eigen::ArrayXf::Constant(reach, plane(width - 1, y));
-    across.col(y) = weights[0] * plane.col(y);
-    for (Eigen::Index k = 1; k <= reach; ++k) {
-      add_pairs(&padded(reach - k, 0), &padded(reach + k, 0), weights[static_cast<std::size_t>(k)],
-                static_cast<int>(width), &across(0, y));
-    }
-  }
-  Plane smooth = weights[0] * across;
-  for (Eigen::Index y = 0; y < height; ++y) {
-    for (Eigen::Index k = 1; k <= reach; ++k) {
-      add_pairs(&across(0, std::max<Eigen::Index>(y - k, 0)),
-                &across(0, std::min(y + k, height - 1)), weights[static_cast<std::size_t>(k)],
-                static_cast<int>(width), &smooth(0, y));
-    }
-  }
-  return smooth;
-}
-
 // What undoing goes by: what is kept of the sharp picture, what comes from the smoothed one, and
 // the levels of ink and paper.
 struct Round {
@@ -412,6 +389,56 @@ TAGSMITH_WIDE void next_levels(const float* sharp, const float* smooth, const Ro
   }
 }
 
+// The rows of a plane in a Gaussian's reach, smoothed along themselves: each is met once, so that
+// the plane may change behind them.
+class SmoothedRows {
+ public:
+  SmoothedRows(const Plane& plane, const std::vector<float>& weights)
+      : plane_(plane),
+        weights_(weights),
+        reach_(static_cast<Eigen::Index>(weights.size()) - 1),
+        padded_(plane.rows() + 2 * reach_),
+        across_(plane.rows(), 2 * reach_ + 1),
+        smooth_(plane.rows()) {}
+
+  // Row y of the plane smoothed both ways; rows are asked for one after the other. Beyond its
+  // borders the plane goes on as it is there.
+  const Eigen::ArrayXf& at(Eigen::Index y) {
+    const Eigen::Index last = plane_.cols() - 1;
+    while (met_ <= std::min(y + reach_, last)) smooth_along(met_++);
+    smooth_ = weights_[0] * across(y);
+    for (Eigen::Index k = 1; k <= reach_; ++k) {
+      add_pairs(across(std::max<Eigen::Index>(y - k, 0)).data(),
+                across(std::min(y + k, last)).data(), weights_[static_cast<std::size_t>(k)],
+                static_cast<int>(smooth_.size()), smooth_.data());
+    }
+    return smooth_;
+  }
+
+ private:
+  Plane::ColXpr across(Eigen::Index y) { return across_.col(y % across_.cols()); }
+
+  void smooth_along(Eigen::Index y) {
+    const Eigen::Index width = plane_.rows();
+    padded_ << Eigen::ArrayXf::Constant(reach_, plane_(0, y)), plane_.col(y),
+        Eigen::ArrayXf::Constant(reach_, plane_(width - 1, y));
+    Plane::ColXpr row = across(y);
+    row = weights_[0] * plane_.col(y);
+    for (Eigen::Index k = 1; k <= reach_; ++k) {
+      add_pairs(&padded_[reach_ - k], &padded_[reach_ + k], weights_[static_cast<std::size_t>(k)],
+                static_cast<int>(width), row.data());
+    }
+  }
+
+  const Plane& plane_;
+  const std::vector<float>& weights_;
+  Eigen::Index reach_;
+  Eigen::Index met_ = 0;
+  Eigen::ArrayXf padded_;
+  Plane across_;  // row y in column y modulo their number
+  Eigen::ArrayXf smooth_;
+};
+
 }  // namespace
 
 // With y = x + a (x - G x), the picture x is what x <- (y + a G x) / (1 + a) comes to rest at.
@@ -429,8 +456,11 @@ void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
   const int rounds =
       std::max(1, static_cast<int>(std::ceil(std::log(kAtRest) / std::log(fed_back))));
   for (int round = 0; round < rounds; ++round) {
-    const Plane smooth = smoothed(plain, weights);
-    next_levels(sharp.data(), smooth.data(), by, static_cast<int>(plain.size()), plain.data());
+    SmoothedRows rows(plain, weights);
+    for (Eigen::Index y = 0; y < plain.cols(); ++y) {
+      next_levels(&sharp(0, y), rows.at(y).data(), by, static_cast<int>(plain.rows()),
+                  &plain(0, y));
+    }
   }
   for (Eigen::Index y = 0; y < plain.cols(); ++y) {
     std::uint8_t* samples =

@@ -383,14 +383,24 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
   add_notes(fix);
 }
 
-// Why no tag allows a pose.
+// Why no tag allows a pose; what several tags have in common is said once.
 std::string no_pose(const NamedProblem& named, const PoseSearch& search) {
-  std::vector<std::string> parts;
+  std::vector<std::string> reasons;
+  std::vector<std::string> tags;
   for (std::size_t i = 0; i < named.seen.size(); ++i) {
     if (search.reasons[i].empty()) continue;
-    parts.push_back(named.seen[i]->tag.name + ": " + search.reasons[i]);
+    const auto known = std::ranges::find(reasons, search.reasons[i]) - reasons.begin();
+    const std::string& name = named.seen[i]->tag.name;
+    if (const auto place = static_cast<std::size_t>(known); place < reasons.size()) {
+      tags[place] += ", " + name;
+    } else {
+      reasons.push_back(search.reasons[i]);
+      tags.push_back(name);
+    }
   }
-  return parts.empty() ? "no pose agrees with the tags" : fmt::format("{}", fmt::join(parts, "; "));
+  if (reasons.empty()) return "no pose agrees with the tags";
+  for (std::size_t i = 0; i < reasons.size(); ++i) reasons[i] = tags[i] + ": " + reasons[i];
+  return fmt::format("{}", fmt::join(reasons, "; "));
 }
 
 // A range outside its sensor's limits is no measurement.

@@ -20,8 +20,11 @@ std::string unlikely_stance(const JointProblem& problem, const JointFit& fit, do
   const auto row = fit.rows.vehicle_begin;
   const VehiclePose& vehicle = fit.state.vehicle;
   if (std::abs(fit.rows.residual[row]) > gate) {
-    return fmt::format("the vehicle would be {:.2f} m from the height that the rig says",
-                       std::abs(fit.rows.residual[row]) * problem.rig->height_sigma);
+    const double height =
+        problem.rig->vehicle_height + fit.rows.residual[row] * problem.rig->height_sigma;
+    return fmt::format(
+        "the vehicle would be {:.2f} m above the floor, and the rig says {:.2f} m (vehicle.height)",
+        height, problem.rig->vehicle_height);
   }
   for (const Eigen::Index i : {1, 2}) {
     if (std::abs(fit.rows.residual[row + i]) > gate) {

@@ -19,10 +19,10 @@ constexpr std::array kRules{
     VerifyRule{"blurred", "unreadable: blur wider than the reader follows",
                "Hold the camera still, focus on the plate, or go nearer. If a sharp photo from one "
                "metre says the same, the print is blurred: replace the plate."},
-    VerifyRule{
-        "broken-file", "a file that cannot be read",
-        "The file is damaged, empty, protected or of another kind, as the message says. Copy "
-        "it again from the camera or print it again."},
+    VerifyRule{"broken-file", "a file that cannot be read",
+               "The file is missing, damaged, empty, protected or of another kind, as the message "
+               "says. Look at its name, or copy "
+               "it again from the camera or print it again."},
     VerifyRule{"changed-file", "a print file that is not the one that was printed",
                "Somebody saved or converted the file. Take the one that was made from the survey."},
     VerifyRule{
