@@ -422,6 +422,30 @@ Solved solve(const GrayView& image, const SideLine& side, double thin, SideSampl
   return {side, std::move(samples), all};
 }
 
+// Whether an edge lies where samples are close together, its blur included.
+bool is_among_fine(double place, double turn) {
+  return std::abs(place) + std::abs(turn) < kEdgeFit.fine / 2;
+}
+
+bool is_finely_sampled(const Solved& side) {
+  const Parameters& p = side.solution.parameters;
+  return is_among_fine(p[kPlace], p[kTurn]);
+}
+
+SideLine line_of(const Solved& side) {
+  const Parameters& p = side.solution.parameters;
+  return moved(side.line, p[kPlace] - p[kTurn], p[kPlace] + p[kTurn]);
+}
+
+// Nothing where samples are not close together at the edge that is found.
+std::optional<Solved> solve_finely(const GrayView& image, const SideLine& side, double thin) {
+  SideSamples samples(image, edge_samples(image, side, thin));
+  if (samples.samples.size() < kLeastSamples) return std::nullopt;
+  Solved found = solve(image, side, thin, std::move(samples));
+  if (!is_finely_sampled(found)) return std::nullopt;
+  return found;
+}
+
 // Of a sample's value by its residual, at least that of the rounding to whole grey levels.
 double noise_variance(const NormalEquations& normal) {
   return std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
@@ -449,17 +473,21 @@ std::optional<FittedSide> FittedSide::fit(const GrayView& image, const SideLine&
                                           double thin) {
   SideSamples all(image, edge_samples(image, near, thin));
   if (all.samples.size() < kLeastSamples) return std::nullopt;
-  return FittedSide(solve(image, near, thin, std::move(all)));
+  if (const auto place = place_by_share(all, near); place && !is_among_fine(*place, 0)) {
+    auto found = solve_finely(image, moved(near, *place, *place), thin);
+    if (found) return FittedSide(*std::move(found));
+  }
+  FittedSide found(solve(image, near, thin, std::move(all)));
+  if (is_finely_sampled(*found.solved_) || !found.stays_near()) return found;
+  auto again = solve_finely(image, found.line(), thin);
+  return again ? FittedSide(*std::move(again)) : std::move(found);
 }
 
 bool FittedSide::stays_near() const { return is_near(solved_->solution, solved_->line); }
 
 double FittedSide::blur_px() const { return std::exp(solved_->solution.parameters[kLogBlur]); }
 
-SideLine FittedSide::line() const {
-  const Parameters& p = solved_->solution.parameters;
-  return moved(solved_->line, p[kPlace] - p[kTurn], p[kPlace] + p[kTurn]);
-}
+SideLine FittedSide::line() const { return line_of(*solved_); }
 
 FrameSide FittedSide::side() const {
   const Parameters& p = solved_->solution.parameters;

@@ -27,7 +27,9 @@ struct FrameSide {
 
 // Least squares by Gauss-Newton steps with Cauchy weights: the light across the side is white, then
 // the stroke's black, and white again where the stroke is thinner than `thin` pixels, all blurred.
-// Where the fit to all of a side leaves many samples aside, the part of it that shows is fitted.
+// Where the fit to all of a side leaves many samples aside, the part of it that shows is fitted. An
+// edge that is found beside the line that it was sought near, where samples are means over pixels,
+// is fitted anew there.
 class FittedSide {
  public:
   // Nothing where too few pixels show the side.

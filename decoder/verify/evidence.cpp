@@ -193,6 +193,17 @@ void see_tags(const PictureReading& read, PictureEvidence& evidence) {
   for (const PartReading& part : evidence.readings.parts) see_part(part, evidence);
 }
 
+namespace {
+
+// How near a refusal came to a reading: all of a doubtful one is explained but a digit; of others
+// the share of the bars that is.
+double nearness(const Rejection& rejection) {
+  if (rejection.reason == RejectionReason::doubtful) return 1;
+  return rejection.symbol ? rejection.symbol->decoding.fit.explained : 0;
+}
+
+}  // namespace
+
 ReadResult without_repeats(ReadResult result) {
   std::vector<Rejection> kept;
   for (Rejection& rejection : result.rejected) {
@@ -203,8 +214,7 @@ ReadResult without_repeats(ReadResult result) {
     const auto same = std::ranges::find_if(kept, lies_on);
     if (same == kept.end()) {
       kept.push_back(std::move(rejection));
-    } else if (rejection.reason == RejectionReason::doubtful &&
-               same->reason != RejectionReason::doubtful) {
+    } else if (nearness(rejection) > nearness(*same)) {
       *same = std::move(rejection);
     }
   }

@@ -2,6 +2,7 @@
 #include "decoder/verify/rasterize.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "decoder/image/load.hpp"
+#include "decoder/image/tone_curve.hpp"
 #include "decoder/verify/child_process.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
@@ -74,6 +76,18 @@ std::string svg_problem(const std::string& error, const std::string& path) {
   return at == std::string::npos ? words : words.substr(at + path.size() + 2);
 }
 
+// A drawn pixel has the share of it that is paper, which is the light that it reflects: made the
+// sample that a camera would store of that light, as the reader takes it.
+GrayImage as_photographed(GrayImage drawn) {
+  std::array<std::uint8_t, 256> stored{};
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    stored[i] = static_cast<std::uint8_t>(
+        std::lround(ToneCurve::srgb().sample_of(static_cast<double>(i) / 255)));
+  }
+  for (std::uint8_t& sample : drawn.samples) sample = stored[sample];
+  return drawn;
+}
+
 // A page, or the part of it that `part` asks for, at so many dots per inch.
 Result<PageImage> draw_page(const std::filesystem::path& path, int number, const std::string& dpi,
                             const std::vector<std::string>& part, const PrinterScale& scale) {
@@ -92,7 +106,8 @@ Result<PageImage> draw_page(const std::filesystem::path& path, int number, const
   if (!drawn) return fail(drawn.error().message);
   Result<GrayImage> image = decode_gray_image(path.string(), drawn->out);
   if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
-  return PageImage{std::move(*image), kMetresPerInch / *parse_number(dpi), first_error(drawn->err)};
+  return PageImage{as_photographed(std::move(*image)), kMetresPerInch / *parse_number(dpi),
+                   first_error(drawn->err)};
 }
 
 }  // namespace
@@ -152,7 +167,7 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
   }
   Result<GrayImage> image = decode_gray_image(path.string(), output->out);
   if (!image) return fail(image.error().message);
-  return PageImage{std::move(*image), kMetresPerInch / dots_per_inch, {}};
+  return PageImage{as_photographed(std::move(*image)), kMetresPerInch / dots_per_inch, {}};
 }
 
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
@@ -173,7 +188,7 @@ Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
     if (!drawn) return fail(drawn.error().message);
     whole = std::move(drawn->image);
   } else {
-    whole = load_gray_image(path);
+    whole = load_gray_image(path).map(as_photographed);
     if (!whole) return whole;
   }
   if (region.x + region.width > whole->width || region.y + region.height > whole->height) {
