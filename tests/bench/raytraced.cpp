@@ -2,8 +2,9 @@
 // Photos of another maker, for the benches that read folders with a truth.json: POV-Ray traces the
 // scenes of raytraced_scene.hpp, each pixel from 4 to 9 places and at edges from up to 81 times as
 // many, and a plain sensor of OpenCV's functions stores them. Nothing of the reader's model of
-// pictures or of `simulate` is in them. Usage: bench_raytraced FOLDER [PHOTOS [SEED [KIND]]], KIND
-// one of kNames (all in turn if not given); needs povray.
+// pictures or of `simulate` is in them. Usage: bench_raytraced FOLDER [PHOTOS [SEED [KIND
+// [SIZE]]]], KIND one of kNames or "all" in turn, SIZE (1) times as many pixels along each side;
+// needs povray.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -41,37 +42,40 @@ namespace {
 
 // A part of the picture, pixels; the ends are not in it.
 struct Part {
-  int left = 0, top = 0, right = kWidth, bottom = kHeight;
+  int left, top, right, bottom;
 
   cv::Rect times(int by) const {
     return {left * by, top * by, (right - left) * by, (bottom - top) * by};
   }
 };
 
+Part whole(const Scene& scene) { return {0, 0, scene.width, scene.height}; }
+
 // The frame and what is about it.
-Part around(const FrameCorners& corners) {
+Part around(const Scene& scene) {
+  const FrameCorners& corners = scene.corners;
   const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
   const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
   const double aside = 0.35 * (right.x - left.x) + 6, above = 0.35 * (bottom.y - top.y) + 6;
   return {std::max(0, static_cast<int>(left.x - aside)),
           std::max(0, static_cast<int>(top.y - above)),
-          std::min(kWidth, static_cast<int>(right.x + aside) + 1),
-          std::min(kHeight, static_cast<int>(bottom.y + above) + 1)};
+          std::min(scene.width, static_cast<int>(right.x + aside) + 1),
+          std::min(scene.height, static_cast<int>(bottom.y + above) + 1)};
 }
 
 // What POV-Ray makes of a scene at so many samples a pixel along each axis, linear light; nothing
 // where it fails.
-std::optional<cv::Mat> traced(const std::string& source, int samples, const Part& part,
-                              const std::string& options) {
+std::optional<cv::Mat> traced(const std::string& source, const Scene& scene, int samples,
+                              const Part& part, const std::string& options) {
   const test::TemporaryFolder folder;
-  const fs::path scene = folder.path() / "scene.pov", picture = folder.path() / "scene.png";
-  std::ofstream(scene) << source;
+  const fs::path text = folder.path() / "scene.pov", picture = folder.path() / "scene.png";
+  std::ofstream(text) << source;
   const cv::Rect area = part.times(samples);
   const auto result = test::run_shell(fmt::format(
       "povray +I{} +O{} +W{} +H{} +SC{} +SR{} +EC{} +ER{} +WT1 -D -GA Output_File_Type=N "
       "Bits_Per_Color=16 Grayscale_Output=on File_Gamma=1.0 {}",
-      scene.string(), picture.string(), kWidth * samples, kHeight * samples, area.x + 1, area.y + 1,
-      area.x + area.width, area.y + area.height, options));
+      text.string(), picture.string(), scene.width * samples, scene.height * samples, area.x + 1,
+      area.y + 1, area.x + area.width, area.y + area.height, options));
   cv::Mat light = cv::imread(picture.string(), cv::IMREAD_UNCHANGED);
   if (result.exit_code != 0 || light.empty()) {
     fmt::print(stderr, "{}\n", result.err);
@@ -84,9 +88,9 @@ std::optional<cv::Mat> traced(const std::string& source, int samples, const Part
 
 // The light of the picture, so many samples a pixel: coarse but about the plate.
 std::optional<cv::Mat> light_of(const Scene& scene, int samples) {
-  const auto coarse = traced(scene.source, 1, {}, "+A0.1 +AM1 +R2");
-  const Part part = around(scene.corners);
-  const auto fine = traced(scene.source, samples, part, "+A0.05 +AM2 +R3 -J");
+  const auto coarse = traced(scene.source, scene, 1, whole(scene), "+A0.1 +AM1 +R2");
+  const Part part = around(scene);
+  const auto fine = traced(scene.source, scene, samples, part, "+A0.05 +AM2 +R3 -J");
   if (!coarse || !fine) return std::nullopt;
   cv::Mat light;
   cv::resize(*coarse, light, {}, samples, samples, cv::INTER_NEAREST);
@@ -96,7 +100,7 @@ std::optional<cv::Mat> light_of(const Scene& scene, int samples) {
 
 // Which share of the frame is in sight.
 std::optional<double> share_in_sight(const Scene& scene) {
-  const auto shining = traced(scene.unhidden, 1, {}, "");
+  const auto shining = traced(scene.unhidden, scene, 1, whole(scene), "");
   if (!shining) return std::nullopt;
   std::vector<cv::Point> outline;
   for (const PixelPoint& corner : scene.corners) {
@@ -150,8 +154,8 @@ cv::Mat path(double length, double angle) {
 }
 
 // The value above which a twentieth of the frame's light is.
-double bright_in(const cv::Mat& light, const FrameCorners& corners) {
-  const Part part = around(corners);
+double bright_in(const cv::Mat& light, const Scene& scene) {
+  const Part part = around(scene);
   cv::Mat row = light(part.times(1)).clone().reshape(1, 1), sorted;
   cv::sort(row, sorted, cv::SORT_ASCENDING);
   return static_cast<double>(sorted.at<float>(0, sorted.cols * 19 / 20));
@@ -170,8 +174,8 @@ cv::Mat stored(cv::Mat light, int samples, Kind kind, const Scene& scene, Random
   if (kind == Kind::motion) {
     blur_by(light, path(uniform(random, 1, 5) * samples, uniform(random, 0, 2 * std::numbers::pi)));
   }
-  cv::resize(light, light, {kWidth, kHeight}, 0, 0, cv::INTER_AREA);
-  light *= uniform(random, 0.45, 1.15) / std::max(1e-6, bright_in(light, scene.corners));
+  cv::resize(light, light, {scene.width, scene.height}, 0, 0, cv::INTER_AREA);
+  light *= uniform(random, 0.45, 1.15) / std::max(1e-6, bright_in(light, scene));
   const bool dark = kind == Kind::dark;
   const double photons = dark ? 250 : 4000;  // of full light
   const double read_noise = uniform(random, 0.3, 1.5) * (dark ? 0.013 : 0.0032);
@@ -197,8 +201,8 @@ json truth_of(const std::string& file, Kind kind, const Scene& scene, double in_
     const PixelPoint& at = scene.corners[i];
     corners[std::string(1, "PFRQ"[i])] = {at.x, at.y};
     const double stroke = 5 * scene.module_px;
-    inside = inside && at.x > stroke && at.y > stroke && at.x < kWidth - stroke &&
-             at.y < kHeight - stroke;
+    inside = inside && at.x > stroke && at.y > stroke && at.x < scene.width - stroke &&
+             at.y < scene.height - stroke;
   }
   const json plate{{"kind", "upca"},
                    {"code", scene.code},
@@ -212,13 +216,13 @@ json truth_of(const std::string& file, Kind kind, const Scene& scene, double in_
 }
 
 // Photo `number` and its truth; nothing where POV-Ray fails.
-json take(const fs::path& folder, int number, std::uint64_t seed) {
+json take(const fs::path& folder, int number, std::uint64_t seed, int size) {
   const auto kind = static_cast<Kind>(number % kKinds);
   Random random(seed * 1'000'003 + static_cast<std::uint64_t>(number));
-  const Scene scene = draw_scene(kind, random);
+  const Scene scene = draw_scene(kind, size, random);
   const std::string file =
       fmt::format("{}_{:04}.jpg", kNames.at(static_cast<std::size_t>(kind)), number);
-  const int samples = scene.module_px > 1.6 ? 2 : 3;
+  const int samples = scene.module_px > 4 ? 1 : scene.module_px > 1.6 ? 2 : 3;
   const auto in_sight = share_in_sight(scene);
   const auto light = in_sight ? light_of(scene, samples) : std::nullopt;
   if (!light) return {};
@@ -255,10 +259,11 @@ class Album {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string kind = argc > 4 ? argv[4] : "";
+  const std::string kind = argc > 4 && std::string(argv[4]) != "all" ? argv[4] : "";
+  const int size = argc > 5 ? std::atoi(argv[5]) : 1;
   const auto only = std::ranges::find(kNames, kind);
-  if (argc < 2 || *argv[1] == '-' || (!kind.empty() && only == kNames.end())) {
-    fmt::print(stderr, "bench_raytraced FOLDER [PHOTOS [SEED [KIND]]]; KIND: {}\n",
+  if (argc < 2 || *argv[1] == '-' || size < 1 || (!kind.empty() && only == kNames.end())) {
+    fmt::print(stderr, "bench_raytraced FOLDER [PHOTOS [SEED [KIND [SIZE]]]]; KIND: all, {}\n",
                fmt::join(kNames, ", "));
     return 2;
   }
@@ -274,7 +279,8 @@ int main(int argc, char** argv) {
   const int first = kind.empty() ? 0 : static_cast<int>(only - kNames.begin());
   fs::create_directories(folder);
   Album album(folder);
-  tbb::parallel_for(0, photos, [&](int i) { album.add(take(folder, first + step * i, seed)); });
+  tbb::parallel_for(0, photos,
+                    [&](int i) { album.add(take(folder, first + step * i, seed, size)); });
   fmt::print("{} photos in {}\n", album.size(), folder.string());
   return std::cmp_equal(album.size(), photos) ? 0 : 1;
 }

@@ -355,17 +355,20 @@ std::string camera() {
 
 }  // namespace
 
-Scene draw_scene(Kind kind, Random& random) {
+Scene draw_scene(Kind kind, int size, Random& random) {
   Scene scene;
+  scene.width = kWidth * size;
+  scene.height = kHeight * size;
   scene.incidence = radians(uniform(random, 0, 60));
   const Digits code = bench::random_code(random);
   scene.code = to_string(code);
   const Hung hung = hang(code, mass::log_uniform(random, 0.7, 3.6), scene.incidence, random);
-  scene.module_px = module_px(hung);
+  scene.module_px = module_px(hung) * size;
   const std::array<Eigen::Vector2d, 4> places{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector2d at = pixel_of(hung.on_frame(places[i].x(), places[i].y(), 0));
-    scene.corners[i] = {at.x(), at.y()};
+    // Places are counted from the middle of a pixel.
+    scene.corners[i] = {(at.x() + 0.5) * size - 0.5, (at.y() + 0.5) * size - 0.5};
   }
   const std::string beside = wall_of(hung, random) + pipes_of(hung, random);
   const std::string front = in_front(hung, kind, random);

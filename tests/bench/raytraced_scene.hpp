@@ -38,16 +38,18 @@ inline constexpr std::array<const char*, kKinds> kNames{
     "splashes", "fog",  "motion", "defocus", "dark", "wet"};
 
 struct Scene {
-  std::string source;      // for POV-Ray
-  std::string unhidden;    // the same where only the frame shines, for what of it is in sight
-  std::string code;        // of the plate
-  FrameCorners corners{};  // of its frame, pixels
-  double module_px = 0;    // amid the frame
-  double incidence = 0;    // radians
+  int width = 0, height = 0;  // of the picture, pixels
+  std::string source;         // for POV-Ray
+  std::string unhidden;       // the same where only the frame shines, for what of it is in sight
+  std::string code;           // of the plate
+  FrameCorners corners{};     // of its frame, pixels
+  double module_px = 0;       // amid the frame
+  double incidence = 0;       // radians
 };
 
 // A plate tag-400x300 with a random code with the check digit of GS1, at 0.7 to 3.6 pixels a module
-// and 0 to 60 degrees.
-Scene draw_scene(Kind kind, mass::Random& random);
+// and 0 to 60 degrees; in a picture of `size` times as many pixels along each side, as many times
+// that.
+Scene draw_scene(Kind kind, int size, mass::Random& random);
 
 }  // namespace tagsmith::detail::raytraced
