@@ -42,11 +42,34 @@ struct FourSamples {
   Four weight = Four::Zero();
 };
 
+// The edge's place by the share of the samples that is bright; nothing where the stroke's far edge
+// is among them.
+std::optional<double> place_by_share(const std::vector<EdgeSample>& samples, const SideLine& side) {
+  if (samples.empty() || side.stroke < kEdgeFit.thin_stroke) return std::nullopt;
+  std::vector<float> values;
+  float from = 0, to = 0;
+  for (const EdgeSample& sample : samples) {
+    values.push_back(sample.value);
+    from = std::min(from, sample.across);
+    to = std::max(to, sample.across);
+  }
+  const float white = quantile(values, 0.9), black = quantile(values, 0.1);
+  float bright = 0, all = 0;
+  for (const EdgeSample& sample : samples) {
+    if (sample.value > (white + black) / 2) bright += sample.weight;
+    all += sample.weight;
+  }
+  return static_cast<double>(from + (to - from) * bright / all);
+}
+
 // The samples of a side. Where they were made even, what that multiplied their light by at the
 // side's begin and end.
 struct SideSamples {
-  SideSamples(const GrayView& image, std::vector<EdgeSample> of_side)
-      : tone(ToneCurve::of(image)), samples(std::move(of_side)), fours((samples.size() + 3) / 4) {
+  SideSamples(const GrayView& image, const SideLine& side, std::vector<EdgeSample> of_side)
+      : tone(ToneCurve::of(image)),
+        samples(std::move(of_side)),
+        fours((samples.size() + 3) / 4),
+        likely_place(place_by_share(samples, side)) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const auto lane = static_cast<Eigen::Index>(i % 4);
       FourSamples& four = fours[i / 4];
@@ -59,7 +82,8 @@ struct SideSamples {
 
   const ToneCurve& tone;
   std::vector<EdgeSample> samples;
-  std::vector<FourSamples> fours;  // the same
+  std::vector<FourSamples> fours;      // the same
+  std::optional<double> likely_place;  // of the edge, by the light
   double begin_gain = 1, end_gain = 1;
 };
 
@@ -282,32 +306,12 @@ Solution solve_from(const SideSamples& samples, const SideLine& side, Parameters
 
 double cost_of(const Solution& solution) { return solution.normal.cost / solution.normal.weight; }
 
-// The edge's place by the share of the samples that is bright; nothing where the stroke's far edge
-// is among them.
-std::optional<double> place_by_share(const SideSamples& samples, const SideLine& side) {
-  if (side.stroke < kEdgeFit.thin_stroke) return std::nullopt;
-  std::vector<float> values;
-  float from = 0, to = 0;
-  for (const EdgeSample& sample : samples.samples) {
-    values.push_back(sample.value);
-    from = std::min(from, sample.across);
-    to = std::max(to, sample.across);
-  }
-  const float white = quantile(values, 0.9), black = quantile(values, 0.1);
-  float bright = 0, all = 0;
-  for (const EdgeSample& sample : samples.samples) {
-    if (sample.value > (white + black) / 2) bright += sample.weight;
-    all += sample.weight;
-  }
-  return static_cast<double>(from + (to - from) * bright / all);
-}
-
 // A sharp edge far from where it was sought looks like dirt on the white or the black there, and
 // the robust fit stays where it began: then the edge is sought from where the light says it is.
 Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
   Parameters start = first_guess(samples, side, start_blur);
   Solution first = solve_from(samples, side, start);
-  const std::optional<double> place = place_by_share(samples, side);
+  const std::optional<double>& place = samples.likely_place;
   if (!place || std::abs(*place - first.parameters[kPlace]) < kEdgeFit.fine) return first;
   start[kPlace] = *place;
   Solution second = solve_from(samples, side, start);
@@ -354,7 +358,7 @@ std::optional<SideSamples> evenly_lit(const GrayView& image, const SideSamples& 
     const float light = light_of(sample) * most / white[zone_of(sample)];
     sample.value = samples.tone.point_of(light).sample;
   }
-  SideSamples made(image, std::move(even));
+  SideSamples made(image, side, std::move(even));
   made.begin_gain = static_cast<double>(most / white.front());
   made.end_gain = static_cast<double>(most / white.back());
   return made;
@@ -375,7 +379,7 @@ std::optional<Solved> solve_shown(const GrayView& image, const SideLine& side, d
     line = side;
   }
   if (part->samples.size() < kLeastSamples) return std::nullopt;
-  SideSamples shown(image, std::move(part->samples));
+  SideSamples shown(image, line, std::move(part->samples));
   Parameters start = first_guess(shown, line, kEdgeFit.start_blur);
   start[kPlace] = part->place;
   start[kTurn] = part->turn;
@@ -404,7 +408,7 @@ bool is_near(const Solution& solution, const SideLine& side) {
 // is narrower than it is high. Nothing where that does not explain it either.
 std::optional<Solved> solve_thinner(const GrayView& image, SideLine side, double thin) {
   side.stroke /= 2;
-  SideSamples samples(image, edge_samples(image, side, thin));
+  SideSamples samples(image, side, edge_samples(image, side, thin));
   if (samples.samples.size() < kLeastSamples) return std::nullopt;
   const Solution solution = solve_side(samples, side, kEdgeFit.start_blur);
   if (!fits_all(samples, solution)) return std::nullopt;
@@ -439,7 +443,7 @@ SideLine line_of(const Solved& side) {
 
 // Nothing where samples are not close together at the edge that is found.
 std::optional<Solved> solve_finely(const GrayView& image, const SideLine& side, double thin) {
-  SideSamples samples(image, edge_samples(image, side, thin));
+  SideSamples samples(image, side, edge_samples(image, side, thin));
   if (samples.samples.size() < kLeastSamples) return std::nullopt;
   Solved found = solve(image, side, thin, std::move(samples));
   if (!is_finely_sampled(found)) return std::nullopt;
@@ -471,9 +475,9 @@ FittedSide::~FittedSide() = default;
 
 std::optional<FittedSide> FittedSide::fit(const GrayView& image, const SideLine& near,
                                           double thin) {
-  SideSamples all(image, edge_samples(image, near, thin));
+  SideSamples all(image, near, edge_samples(image, near, thin));
   if (all.samples.size() < kLeastSamples) return std::nullopt;
-  if (const auto place = place_by_share(all, near); place && !is_among_fine(*place, 0)) {
+  if (const auto place = all.likely_place; place && !is_among_fine(*place, 0)) {
     auto found = solve_finely(image, moved(near, *place, *place), thin);
     if (found) return FittedSide(*std::move(found));
   }
