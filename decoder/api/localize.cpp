@@ -11,6 +11,7 @@
 #include "decoder/localize/live_track.hpp"
 #include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith {
@@ -149,6 +150,8 @@ struct Localizer::State {
   Rig rig;
   LocalizerOptions options;
   std::optional<detail::LiveTrack> motion{};
+  detail::PictureMemory pictures{};
+  std::size_t tracked = 0;  // measurements
 
   Fix answer(detail::Fix fix) const {
     return fix_from(options.confirmed_only ? if_confirmed(std::move(fix)) : fix);
@@ -181,7 +184,8 @@ Fix Localizer::track(const Measurement& measurement) {
   const detail::Rig& rig = state_->rig.data().rig;
   std::optional<detail::LiveTrack>& motion = state_->motion;
   detail::Observation observation = observation_from(measurement, surveys, rig);
-  const std::vector<detail::CameraImage> images = images_from(measurement, rig);
+  const std::vector<detail::CameraImage> images =
+      state_->pictures.new_ones(images_from(measurement, rig), ++state_->tracked, observation);
   const auto prior = measurement.time && motion
                          ? prior_at(*motion, *measurement.time, surveys, detail::MotionModel{})
                          : std::nullopt;
@@ -190,6 +194,9 @@ Fix Localizer::track(const Measurement& measurement) {
   return state_->answer(std::move(fix));
 }
 
-void Localizer::reset() { state_->motion.reset(); }
+void Localizer::reset() {
+  state_->motion.reset();
+  state_->pictures = {};
+}
 
 }  // namespace tagsmith

@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/calibrate/mounting.hpp"
+#include "decoder/localize/exchanged_cameras.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
@@ -177,17 +179,39 @@ Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFi
   return write_file(options.output, *text);
 }
 
+// A camera that looks to the other side than the rig says; empty where there is none.
+std::string camera_of_other_side(const MountingFit& fit, const Rig& rig) {
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    const RigCamera& camera = rig.cameras[i];
+    if (!camera.side) continue;
+    const double to_the_left = fit.cameras[i].vehicle_from_camera.rotation(1, 2);
+    const Side side = to_the_left > 0 ? Side::left : Side::right;
+    if (side == *camera.side) continue;
+    return fmt::format(
+        "camera {} looks to the {} by its photos, and the rig says side: {}; are the photos of two "
+        "cameras exchanged?",
+        camera.name, to_string(side), to_string(*camera.side));
+  }
+  return {};
+}
+
 }  // namespace
 
 int calibrate_mounting(const CalibrateMountingOptions& options) {
   const Result<Input> input = load(options);
   if (!input) return report_failure(kCalibrate, input.error());
-  const std::vector<Observation> rows = observe_all(*input, options.jobs);
-  const Result<MountingFit> fit = fit_mounting(rows, input->survey, input->rig);
-  if (!fit) {
-    to_stderr("tagsmith {}: {}: {}\n", kCalibrate, options.run.string(), fit.error().message);
+  std::vector<Observation> rows = observe_all(*input, options.jobs);
+  leave_out_repeated(rows);
+  const auto refuse = [&](const std::string& why) {
+    to_stderr("tagsmith {}: {}: {}\n", kCalibrate, options.run.string(), why);
     return kExitFindings;
-  }
+  };
+  const std::string exchanged = leave_out_exchanged(rows, {input->survey}, input->rig);
+  if (!exchanged.empty()) return refuse(exchanged);
+  const Result<MountingFit> fit = fit_mounting(rows, input->survey, input->rig);
+  if (!fit) return refuse(fit.error().message);
+  const std::string wrong_side = camera_of_other_side(*fit, input->rig);
+  if (!wrong_side.empty()) return refuse(wrong_side);
   options.json ? print_json(*fit, *input) : print_words(*fit, *input);
   if (options.output.empty()) return kExitOk;
   if (const auto written = write_rig(options, *fit); !written) {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "decoder/image/heif.hpp"
+#include "tagsmith/base/read_line.hpp"
 #include "tagsmith/base/stream.hpp"
 
 namespace tagsmith::detail {
@@ -16,9 +17,9 @@ namespace fs = std::filesystem;
 namespace {
 
 // Print files first, so that the pictures alone are the rest.
-constexpr std::array<std::string_view, 16> kExtensions{
-    ".pdf",  ".svg", ".jpg",  ".jpeg", ".heic", ".heif", ".hif", ".png",
-    ".webp", ".tif", ".tiff", ".bmp",  ".pgm",  ".ppm",  ".pnm", ".jp2"};
+constexpr std::array<std::string_view, 15> kExtensions{".pdf",  ".svg", ".jpg", ".jpeg", ".heic",
+                                                       ".heif", ".hif", ".png", ".webp", ".tif",
+                                                       ".tiff", ".bmp", ".pgm", ".ppm",  ".pnm"};
 
 // In small letters, with its point.
 std::string extension_of(const fs::path& path) {
@@ -70,10 +71,14 @@ Result<void> add_files_in(const fs::path& folder, std::span<const std::string_vi
 }
 
 Result<std::vector<fs::path>> files_from(std::istream& stream) {
+  constexpr std::size_t kLongestName = 4096;
   std::vector<fs::path> files;
-  for (std::string line; std::getline(stream, line);) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (!line.empty()) files.emplace_back(line);
+  while (std::optional<std::string> line = read_line(stream, kLongestName)) {
+    if (line->size() > kLongestName || line->find('\0') != std::string::npos) {
+      return fail("-: standard input is no list of file names, expected one a line");
+    }
+    if (line->ends_with('\r')) line->pop_back();
+    if (!line->empty()) files.emplace_back(*line);
   }
   if (files.empty()) return fail("-: standard input names no file, expected one a line");
   return files;

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/cli/fix_json.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
 #include "decoder/verify/set_aside.hpp"
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/base/result.hpp"
@@ -98,6 +99,7 @@ class RunSoFar {
       if (!past.seen) past.seen = input_.observe(past.measurement);
       rows.push_back(*past.seen);
     }
+    leave_out_repeated(rows);
     std::vector<std::string> told;
     for (const SetAside& tag : set_aside_misplaced(rows, input_.surveys, input_.rig).aside) {
       const auto removed = std::erase_if(surveys_[tag.survey].tags, [&](const PlacedTag& placed) {
@@ -165,10 +167,11 @@ int follow(const FollowInput& input) {
     if (too_long) std::cin.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
     if (line->find_first_not_of(" \t\r") == std::string::npos) continue;
     const Json object = too_long ? Json() : Json::parse(*line, nullptr, false);
-    const Result<Measurement> measurement =
+    Result<Measurement> measurement =
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
+      measurement->line = number;
       const Fix fix = locate(*measurement, input, run, track);
       all_located = all_located && fix.position_in_grid.has_value();
       answer = fix_json_line(fix, *measurement, input.explain);

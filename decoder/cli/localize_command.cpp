@@ -19,12 +19,14 @@
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/cli/follow.hpp"
 #include "decoder/cli/run_drawing.hpp"
+#include "decoder/localize/exchanged_cameras.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/other_drive.hpp"
 #include "decoder/localize/paper_method.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
 #include "decoder/localize/residual_picture.hpp"
 #include "decoder/localize/smooth.hpp"
 #include "decoder/paper/pipeline.hpp"
@@ -121,6 +123,7 @@ std::vector<Observation> observe_all(const LocalizeInput& input, const LocalizeO
     rows[i] = observe(measurements[i], input.surveys, input.rig, reader);
     return [&progress] { progress.advance([] {}); };
   });
+  leave_out_repeated(rows);
   return rows;
 }
 
@@ -181,10 +184,11 @@ FollowInput live_input(const LocalizeInput& input, const LocalizeOptions& option
   const bool joint = options.method == "joint";
   const bool sparing = joint && options.reader == "tagsmith" && !options.unsurveyed;
   FollowInput live{input.surveys, input.rig, {}, {}, joint, options.confirmed, options.explain};
-  live.locate = [&input, reader, joint, sparing](const Measurement& measurement,
-                                                 const std::vector<Survey>& surveys,
-                                                 const std::optional<PosePrior>& prior) {
-    if (sparing) return locate(measurement, surveys, input.rig, prior);
+  const auto memory = std::make_shared<PictureMemory>();
+  live.locate = [&input, reader, joint, sparing, memory](const Measurement& measurement,
+                                                         const std::vector<Survey>& surveys,
+                                                         const std::optional<PosePrior>& prior) {
+    if (sparing) return locate(measurement, surveys, input.rig, prior, memory.get());
     const Observation seen = observe(measurement, surveys, input.rig, reader, prior);
     return joint ? localize_jointly(seen, surveys, input.rig)
                  : localize_by_paper(seen, surveys, input.rig);
@@ -446,6 +450,12 @@ int run_localize(LocalizeOptions options) {
     }
   }
   std::vector<Observation> rows = observe_all(*input, options);
+  const auto lacking = std::ranges::count_if(rows, &Observation::lacks_picture);
+  if (lacking > 0) {
+    to_stderr("{}: photos of {} row{} could not be read, see their notes\n", kLocalize, lacking,
+              lacking == 1 ? "" : "s");
+  }
+  leave_out_exchanged(rows, input->surveys, input->rig);
   RunFindings findings;
   if (options.method != "paper") findings.suspicion = suspicion_of(rows, *input);
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
@@ -480,7 +490,7 @@ int run_localize(LocalizeOptions options) {
     }
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  return std::ranges::all_of(fixes, is_located) ? kExitOk : kExitFindings;
+  return std::ranges::all_of(fixes, is_located) && lacking == 0 ? kExitOk : kExitFindings;
 }
 
 }  // namespace
@@ -533,7 +543,8 @@ Command localize_command() {
            jobs_option(options->jobs, "Images read at the same time")},
       .notes =
           "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: "
-          "some have no position, each with its reason; 2: a survey, rig or run could not be "
+          "some have no position, each with its reason, or a photo could not be read; 2: a survey, "
+          "rig or run could not be "
           "used.\n\n"
           "Example:\n"
           "  tagsmith localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml "

@@ -59,9 +59,11 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   }
 }
 
-// All lines of all files, in turn. `tell`: says how many lines were left out.
+// All lines of all files, in turn; fails where there is none. `tell`: says how many lines were left
+// out.
 Result<void> read_all(const ReportOptions& options, const std::function<void(VerifiedFile)>& take,
                       bool tell = false) {
+  std::size_t lines = 0;
   for (const std::string& file : options.files) {
     const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
     if (!counts) return fail(counts.error().message);
@@ -71,7 +73,9 @@ Result<void> read_all(const ReportOptions& options, const std::function<void(Ver
           fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
     }
     if (tell) tell_broken_lines(file, *counts);
+    lines += counts->files;
   }
+  if (lines == 0) return fail(options.files.front() + ": has no line of `verify --json`");
   return {};
 }
 
@@ -86,19 +90,35 @@ Result<bool> any_says_hanging(const ReportOptions& options) {
   return says;
 }
 
+// What a line says of its tags holds for the state of the survey that it was verified against. In
+// any other the code that was read tells which tag it is.
+void judge_by_codes(const Survey& survey, VerifiedFile& line) {
+  for (VerifiedTag& tag : line.tags) {
+    if (!tag.digits) continue;
+    const PlacedTag* same = find_tag(survey, *tag.digits);
+    tag.tag = same != nullptr ? same->name : "";
+    tag.hung.reset();
+    if (same != nullptr || tag.status == TagStatus::unknown) continue;
+    static_cast<Finding&>(tag) = {
+        TagStatus::unknown, "not-in-survey",
+        fmt::format("{} is not in survey {}", to_string(*tag.digits), survey.name)};
+  }
+}
+
 Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey,
                               const std::optional<LoadedHanging>& hanging,
                               const std::optional<HungTags>& hung, CommandFiles& files) {
   const std::string revision = survey_revision(survey);
   VerifyMerge merged;
   const auto add = [&](VerifiedFile line) {
+    if (line.revision != revision) judge_by_codes(survey, line);
     if (hanging) judge_hanging(survey, hanging->setup, *hung, line);
     merge(revision, std::move(line), merged);
   };
   const Result<void> read = read_all(options, add, true);
   if (!read) return fail(read.error().message);
   if (merged.other_revisions > 0) {
-    to_stderr("{} verified against another state of the survey\n",
+    to_stderr("{} verified against another state of the survey: verify again\n",
               merged.other_revisions == 1 ? "1 file was"
                                           : fmt::format("{} files were", merged.other_revisions));
   }
@@ -143,8 +163,10 @@ Result<int> run(const ReportOptions& options) {
     print_in_words(covered, *merged);
   }
   const bool contradicts = *hung && (*hung)->nothing_fits;
-  return covered.seen == covered.tags && merged->fault_count == 0 && !contradicts ? kExitOk
-                                                                                  : kExitFindings;
+  const bool is_of_survey = merged->other_revisions == 0;
+  const bool in_order =
+      covered.seen == covered.tags && merged->fault_count == 0 && !contradicts && is_of_survey;
+  return in_order ? kExitOk : kExitFindings;
 }
 
 }  // namespace

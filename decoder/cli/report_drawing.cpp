@@ -105,7 +105,7 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
                   colours::kGrey);
   }
   y = add_lines(layer, lines_of(fault.message, kWidth, kWordsHeight), y, colours::kRed);
-  if (const VerifyRule* rule = find_verify_rule(fault.rule)) {
+  if (const Rule* rule = find_verify_rule(fault.rule)) {
     add_lines(layer, lines_of(std::string(rule->remedy), kWidth, kWordsHeight), y);
   }
   return view;

@@ -264,7 +264,8 @@ Result<int> report_ledger(const LedgerOptions& options) {
   }
   const bool is_well = std::ranges::all_of(
       kNow, [&](PlateAction action) { return plates_to(action, *survey, *report).empty(); });
-  return is_well ? kExitOk : kExitFindings;
+  const bool knows_any = report->newest.has_value();
+  return is_well && knows_any ? kExitOk : kExitFindings;
 }
 
 }  // namespace tagsmith::detail

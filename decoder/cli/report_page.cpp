@@ -262,7 +262,7 @@ std::string hanging_table(const VerifyMerge& merged) {
 }
 
 std::string fault_card(const FaultRecord& fault) {
-  const VerifyRule* rule = find_verify_rule(fault.rule);
+  const Rule* rule = find_verify_rule(fault.rule);
   const std::string heading = markup_text((fault.tag.empty() ? "" : fault.tag + ": ") +
                                           (fault.rule.empty() ? std::string("fault") : fault.rule) +
                                           (fault.is_question ? "?" : ""));

@@ -19,7 +19,7 @@ double area_of(const Quad& quad);
 double length_of(const Quad& quad);
 double height_of(const Quad& quad);
 
-// True when all four turns go the same way.
+// True when the corners run clockwise in the image around a convex shape.
 bool is_convex(const Quad& quad);
 
 // Convex hull, clockwise in the image, of any points.

@@ -55,7 +55,10 @@ std::optional<ImageHeader> read_webp(std::string_view text) {
   const std::string_view kind = text.substr(12, 4);
   const bool complete = text.size() >= std::size_t{8} + bytes.number(4, 4);
   if (kind == "VP8X"sv) {
-    return header_of(bytes, 1 + bytes.number(24, 3), 1 + bytes.number(27, 3), complete);
+    constexpr std::uint32_t kAnimated = 2;
+    auto header = header_of(bytes, 1 + bytes.number(24, 3), 1 + bytes.number(27, 3), complete);
+    if (header) header->has_more = (bytes.number(20, 1) & kAnimated) != 0;
+    return header;
   }
   if (kind == "VP8L"sv) {
     const std::uint32_t bits = bytes.number(21, 4);
@@ -65,22 +68,53 @@ std::optional<ImageHeader> read_webp(std::string_view text) {
   return header_of(bytes, bytes.number(26, 2) & 0x3FFFU, bytes.number(28, 2) & 0x3FFFU, complete);
 }
 
-// TIFF 6.0, section 2: the first directory's ImageWidth (256) and ImageLength (257).
-std::optional<ImageHeader> read_tiff(std::string_view text) {
-  Bytes bytes(text, text.front() == 'M');
-  const std::size_t directory = bytes.number(4, 4);
-  const std::uint32_t count = bytes.number(directory, 2);
+// TIFF 6.0, section 2: of a directory NewSubfileType (254), ImageWidth (256), ImageLength (257).
+struct TiffDirectory {
+  std::uint32_t kind = 0;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
+  std::size_t next = 0;  // where the next directory begins; 0 = none
+};
+
+TiffDirectory read_tiff_directory(Bytes& bytes, std::size_t at) {
+  TiffDirectory directory;
+  const std::uint32_t count = bytes.number(at, 2);
   for (std::uint32_t i = 0; i < count && !bytes.beyond(); ++i) {
-    const std::size_t entry = directory + 2 + std::size_t{12} * i;
+    const std::size_t entry = at + 2 + std::size_t{12} * i;
     const std::uint32_t tag = bytes.number(entry, 2);
     constexpr std::uint32_t kShort = 3;
     const std::size_t size = bytes.number(entry + 2, 2) == kShort ? 2 : 4;
-    if (tag == 256) width = bytes.number(entry + 8, size);
-    if (tag == 257) height = bytes.number(entry + 8, size);
+    if (tag == 254) directory.kind = bytes.number(entry + 8, size);
+    if (tag == 256) directory.width = bytes.number(entry + 8, size);
+    if (tag == 257) directory.height = bytes.number(entry + 8, size);
   }
-  return header_of(bytes, width, height);
+  Bytes rest = bytes;
+  const std::size_t next = rest.number(at + 2 + std::size_t{12} * count, 4);
+  if (!rest.beyond()) directory.next = next;
+  return directory;
+}
+
+// Further directories are further pages, unless they are the first one in small, or a mask of it.
+bool has_further_pages(std::string_view text, std::size_t directory) {
+  constexpr int kMostLooked = 16;
+  for (int i = 0; i < kMostLooked && directory != 0; ++i) {
+    Bytes bytes(text, text.front() == 'M');
+    const TiffDirectory further = read_tiff_directory(bytes, directory);
+    if (bytes.beyond()) return false;
+    constexpr std::uint32_t kReduced = 1, kMask = 4;
+    if ((further.kind & (kReduced | kMask)) == 0) return true;
+    directory = further.next;
+  }
+  return false;
+}
+
+std::optional<ImageHeader> read_tiff(std::string_view text) {
+  Bytes bytes(text, text.front() == 'M');
+  const std::size_t at = bytes.number(4, 4);
+  const TiffDirectory first = read_tiff_directory(bytes, at);
+  auto header = header_of(bytes, first.width, first.height);
+  if (header) header->has_more = has_further_pages(text, first.next);
+  return header;
 }
 
 // Netpbm: "P", a digit, then width and height as text among white space and # comments.

@@ -11,7 +11,8 @@ namespace tagsmith::detail {
 struct ImageHeader {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  bool complete = true;  // false when the file's end is missing, as far as the format tells it
+  bool complete = true;   // false when the file's end is missing, as far as the format tells it
+  bool has_more = false;  // further pages of a TIFF, an animation of a WebP
 };
 
 // The header of a PNG, JPEG, WebP, TIFF, PNM (P1-P6) or BMP file; nothing for any other bytes and

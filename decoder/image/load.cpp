@@ -53,6 +53,11 @@ Result<void> check_header(const std::string& bytes) {
                 format_number(kMaxImagePixels / 1e6) + " million");
   }
   if (!header->complete) return fail("is cut short: its end is missing");
+  if (header->has_more) {
+    return fail(
+        "has several pages, and only single pictures are read: save each page as its own "
+        "file");
+  }
   return {};
 }
 

@@ -7,33 +7,22 @@
 
 #include <fmt/format.h>
 
+#include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/quantile.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-// What mends a fault, by its rule (docs/verify-rules.md); nothing of a rule that tells of the photo
-// and not of the plate.
+// What repairs the plate that this rule was reported of; nothing where the photo is at fault.
 std::optional<PlateAction> cure_of(std::string_view rule) {
-  struct Cure {
-    std::string_view rule;
-    PlateAction action;
-  };
-  constexpr std::array kCures{
-      Cure{"bars-grown", PlateAction::reprint},     Cure{"bent", PlateAction::reprint},
-      Cure{"check-digit", PlateAction::reprint},    Cure{"check-scheme", PlateAction::reprint},
-      Cure{"inverted", PlateAction::reprint},       Cure{"mirrored", PlateAction::reprint},
-      Cure{"no-frame", PlateAction::reprint},       Cure{"wrong-scale", PlateAction::reprint},
-      Cure{"covered", PlateAction::clean},          Cure{"low-contrast", PlateAction::clean},
-      Cure{"undecodable", PlateAction::clean},      Cure{"contradiction", PlateAction::rehang},
-      Cure{"duplicate", PlateAction::rehang},       Cure{"moved", PlateAction::rehang},
-      Cure{"no-common-place", PlateAction::rehang}, Cure{"second-copy", PlateAction::rehang},
-      Cure{"swapped", PlateAction::rehang},         Cure{"upside-down", PlateAction::rehang},
-      Cure{"wrong-wall", PlateAction::rehang},
-  };
-  const auto cure = std::ranges::find(kCures, rule, &Cure::rule);
-  return cure == kCures.end() ? std::nullopt : std::optional(cure->action);
+  const Rule* reported = find_verify_rule(rule);
+  if (reported == nullptr) return std::nullopt;
+  for (std::size_t i = 0; i < kPlateActions; ++i) {
+    const auto action = static_cast<PlateAction>(i);
+    if (to_string(action) == reported->action) return action;
+  }
+  return std::nullopt;
 }
 
 // Whether the fault would have been found on this day, on which the plate was in order.

@@ -176,8 +176,32 @@ std::optional<Doubt> doubt_by_votes(const JointProblem& problem, const JointFit&
                true};
 }
 
-std::optional<Doubt> doubt(const JointProblem& problem, const PoseSearch& search,
-                           const Grid& grid) {
+// Each photo is one witness of where the vehicle was when it was taken, however many tags it shows:
+// a camera may have repeated an older photo, or the run's list may have another row's.
+std::optional<Doubt> doubt_by_photos(const NamedProblem& named, const JointFit& fit,
+                                     const Grid& grid) {
+  std::set<std::string> agreeing;
+  for (const std::size_t i : fit.selection.sightings) agreeing.insert(named.seen[i]->camera);
+  std::set<std::string> others, others_tags;
+  for (const SeenTag* seen : named.seen) {
+    if (seen->is_part || agreeing.contains(seen->camera)) continue;
+    others.insert(seen->camera);
+    others_tags.insert(seen->tag.name);
+  }
+  if (agreeing.size() > others.size()) return std::nullopt;
+  return Doubt{
+      fmt::format(
+          "the photos contradict each other: {} of {} put the vehicle at {}, where {} of {} "
+          "does not fit; the photos were not taken together, a camera is mounted otherwise "
+          "than the rig says, or a tag hangs elsewhere",
+          tags_text(named.problem, fit), fmt::join(agreeing, " and "),
+          pose_text(grid, fit.state.vehicle), fmt::join(others_tags, " "),
+          fmt::join(others, " and ")),
+      true};
+}
+
+std::optional<Doubt> doubt(const NamedProblem& named, const PoseSearch& search, const Grid& grid) {
+  const JointProblem& problem = named.problem;
   const JointFit& best = search.candidates.front().fit;
   if (auto rival = doubt_by_rivals(problem, search, grid)) return rival;
   if (search.contradictory && plate_count(best) < 2) {
@@ -186,6 +210,7 @@ std::optional<Doubt> doubt(const JointProblem& problem, const PoseSearch& search
                  true};
   }
   if (auto outvoted = doubt_by_votes(problem, best, grid)) return outvoted;
+  if (auto outvoted = doubt_by_photos(named, best, grid)) return outvoted;
   return plate_count(best) == 1 ? doubt_of_lone_tag(problem, best) : std::nullopt;
 }
 
@@ -235,9 +260,10 @@ std::optional<Believed> reconciled(const JointProblem& problem, const PoseSearch
 }
 
 // What of the search is to be believed, or why nothing is.
-tl::expected<Believed, std::string> judge(const JointProblem& problem, PoseSearch& search,
+tl::expected<Believed, std::string> judge(const NamedProblem& named, PoseSearch& search,
                                           const Grid& grid) {
-  if (const auto doubtful = doubt(problem, search, grid)) {
+  const JointProblem& problem = named.problem;
+  if (const auto doubtful = doubt(named, search, grid)) {
     auto together = doubtful->contradiction ? reconciled(problem, search) : std::nullopt;
     if (together) return std::move(*together);
     return tl::unexpected(doubtful->reason);
@@ -434,7 +460,7 @@ Fix localize_by_tags(const Observation& observation, const std::vector<Survey>& 
     fix.reason = no_pose(named, search);
     return fix;
   }
-  const auto believed = judge(named.problem, search, survey.grid);
+  const auto believed = judge(named, search, survey.grid);
   if (believed) {
     fill(fix, named, search, *believed, survey);
   } else {

@@ -41,8 +41,11 @@ Fix locate_with(Observation known, std::span<const CameraImage> images,
                 const std::vector<Survey>& surveys, const Rig& rig,
                 const std::optional<PosePrior>& prior = std::nullopt);
 
-// The same for a measurement, whose images are loaded first.
+class PictureMemory;
+
+// The same for a measurement, whose images are loaded first. With a memory, pictures that it knows
+// from earlier measurements are left out.
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior = std::nullopt);
+           const std::optional<PosePrior>& prior = std::nullopt, PictureMemory* memory = nullptr);
 
 }  // namespace tagsmith::detail

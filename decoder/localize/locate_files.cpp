@@ -4,11 +4,12 @@
 #include <utility>
 
 #include "decoder/localize/locate.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
 
 namespace tagsmith::detail {
 
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior) {
+           const std::optional<PosePrior>& prior, PictureMemory* memory) {
   Observation observation{measurement.id, {}, measurement.ranges, {}};
   std::deque<GrayImage> loaded;
   std::vector<CameraImage> images;
@@ -19,6 +20,10 @@ Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, c
     if (!image) continue;
     loaded.push_back(std::move(*image));
     images.push_back({&camera, loaded.back().view(), seen->second.image.string()});
+  }
+  if (memory != nullptr) {
+    const auto line = static_cast<std::size_t>(measurement.line);
+    images = memory->new_ones(images, line, observation);
   }
   return locate_with(std::move(observation), images, surveys, rig, prior);
 }

@@ -197,4 +197,14 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
   add_result(observation, reader.read(image, *options), name, camera, surveys, reader);
 }
 
+void leave_out_pictures(Observation& observation, const std::set<std::string>& cameras,
+                        std::string fault) {
+  std::erase_if(observation.tags, [&](const SeenTag& seen) {
+    return seen.seen_corners && cameras.contains(seen.camera);
+  });
+  std::erase_if(observation.parts,
+                [&](const SeenPart& seen) { return cameras.contains(seen.camera); });
+  observation.faults.push_back(std::move(fault));
+}
+
 }  // namespace tagsmith::detail

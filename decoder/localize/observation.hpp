@@ -2,10 +2,12 @@
 // What a vehicle saw at one moment, in terms of the survey: the input of every localization method.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,6 +62,8 @@ struct Observation {
   std::map<std::string, double> ranges;  // by the rig's range names, metres
   std::vector<std::string> faults;       // unreadable images, images without a tag, unknown tags
   std::vector<SeenPart> parts{};         // say where the vehicle is only together with other tags
+  bool lacks_picture = false;            // one that was named could not be read
+  std::map<std::string, std::uint64_t> pictures{};  // fingerprint (repeated_pictures.hpp) by camera
 };
 
 // How images are read.
@@ -114,6 +118,10 @@ Result<ReadOptions> read_options_for_image(const GrayView& image, const std::str
 void add_result(Observation& observation, const ReadResult& result, const std::string& name,
                 const RigCamera& camera, const std::vector<Survey>& surveys,
                 const ReaderChoice& reader);
+
+// Takes out what the pictures of these cameras show, and adds the fault that says why.
+void leave_out_pictures(Observation& observation, const std::set<std::string>& cameras,
+                        std::string fault);
 
 // Does what observe() does with one image that has been loaded.
 void observe_image(Observation& observation, const RigCamera& camera, const GrayView& image,

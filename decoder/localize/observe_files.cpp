@@ -6,6 +6,7 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -34,6 +35,7 @@ std::optional<GrayImage> load_observed(const std::filesystem::path& file,
   Result<DecodedImage> loaded = load_image(file);
   if (!loaded) {
     observation.faults.push_back(loaded.error().message);
+    observation.lacks_picture = true;
     return std::nullopt;
   }
   if (!loaded->warning.empty()) {
@@ -53,6 +55,7 @@ Observation observe(const Measurement& measurement, const std::vector<Survey>& s
     if (!file.empty()) {
       const std::optional<GrayImage> image = load_observed(file, observation);
       if (image) {
+        observation.pictures[camera.name] = fingerprint(image->view());
         observe_image(observation, camera, image->view(), file.string(), surveys, reader, prior);
       }
     }

@@ -27,7 +27,8 @@ struct RefusedFrame {
   std::size_t hypothesis = 0;
 };
 
-// A place where a tag may be. Bars are those of a frame that does not show, in pixels of the full
+// A place where a tag may be, to be considered at once: its level's pixels may be gone when the
+// proposer returns. Bars are those of a frame that does not show, in pixels of the full
 // image.
 using Proposal = std::variant<Outline, RoughFrame, RefusedFrame, BarRegion>;
 

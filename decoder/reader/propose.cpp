@@ -60,8 +60,9 @@ double settling_reach(const Quad& quad, double scale, const FrameShape& shape) {
   return reach;
 }
 
-// The part of the image around an expected tag at several sizes, the finest first, down to one in
-// which its frame can be settled from as far off as it may be. Empty where it is out of the image.
+// The surroundings of an expected tag in the full size of the image and halved, until the fit of a
+// frame reaches as far as the expectation may be off. None where the corners do not run clockwise
+// around a convex shape, or where less than two tiles are in the image.
 class ExpectedSurroundings {
  public:
   ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected,
@@ -101,7 +102,7 @@ void propose_outlines(const SearchContext& search, const PyramidLevel& level,
   options.max_changes = max_changes(level);
   options.join_pieces = join_pieces;
   options.shape = typical_layout(search.options.layouts).frame;
-  for (const Quad& quad : find_candidates(level, options)) search.propose(Outline{level, quad});
+  for (const Quad& quad : find_candidates(level, options)) search.consider(Outline{level, quad});
 }
 
 // The tiles of a level around these regions of bars, in pixels of the full image, as far as a frame
@@ -130,7 +131,7 @@ void propose_frame_around(SearchContext& search, const PyramidLevel& level, cons
   const BarRegion region = scaled(bars, 1 / level.scale);
   if (!has_bars(search.picture.image(), bars, kBarLines.least_bars)) return;
   search.symbols.push_back(bars);
-  if (const auto quad = frame_around(level.image, region)) search.propose(Outline{level, *quad});
+  if (const auto quad = frame_around(level.image, region)) search.consider(Outline{level, *quad});
 }
 
 // Frames around the bars of a level that no reading explains. Bars that run off the picture are
@@ -174,7 +175,7 @@ void propose_expected(SearchContext& search) {
                                       typical_layout(search.options.layouts).frame);
     if (around.levels().empty()) continue;
     const PyramidLevel& coarsest = around.levels().back();
-    search.propose(RoughFrame{coarsest, to_level(coarsest, expected.corners)});
+    search.consider(RoughFrame{coarsest, to_level(coarsest, expected.corners)});
     for (const PyramidLevel& part : std::views::reverse(around.levels())) {
       if (search.found.has_read(expected)) break;
       propose_outlines(search, part, nullptr, false);
@@ -220,11 +221,12 @@ void propose_pieces(SearchContext& search) {
 }
 
 void propose_refused(SearchContext& search) {
-  for (const std::size_t index : search.found.covered_frames()) search.propose(RefusedFrame{index});
+  for (const std::size_t index : search.found.covered_frames())
+    search.consider(RefusedFrame{index});
   for (const BarRegion& region : search.found.odd_bars()) {
     if (!search.found.has_reading_at(region.centre) &&
         may_be_followed(search.picture.image(), region)) {
-      search.propose(region);
+      search.consider(region);
     }
   }
 }
@@ -240,7 +242,7 @@ void propose_bars(SearchContext& search) {
         runs_off(picture.image(), region) || !may_be_followed(picture.image(), region)) {
       continue;
     }
-    search.propose(region);
+    search.consider(region);
     proposed.push_back(region);
     if (proposed.size() == kSearch.most_tries) break;
   }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where in a picture tags may be. A proposer hands on the places that it finds one by one, so that
-// what is read in one is known before it looks for the next. To add one, write a function here and
-// name it in a list of reader.cpp.
+// Where in a picture tags may be. A proposer has the places that it finds considered one by one, so
+// that what is read in one is known before it looks for the next. To add one, write a function
+// here and name it in a list of reader.cpp; what it is to know from the caller is a member of
+// ReadOptions.
 #pragma once
 
 #include <functional>
@@ -19,10 +20,11 @@ namespace tagsmith::detail {
 struct SearchContext {
   SearchedImage& picture;
   const ReadOptions& options;
-  const TagHypotheses& found;                    // what came of the proposals so far
-  std::function<void(const Proposal&)> propose;  // hands a proposal on
-  bool is_searched = false;                      // the whole picture, for outlines
-  std::vector<BarRegion> symbols{};  // much like one, unexplained, in pixels of the full image
+  const TagHypotheses& found;                     // what came of the proposals so far
+  std::function<void(const Proposal&)> consider;  // reads a tag there, if there is one
+  bool is_searched = false;                       // the whole picture, for outlines
+  // Bars that look like a symbol and that no reading explains so far, in pixels of the full image.
+  std::vector<BarRegion> symbols{};
 };
 
 using Proposer = void (*)(SearchContext& search);

@@ -40,6 +40,7 @@ inline constexpr double kSureInFrame = 1.0 - 1e-5;
 inline constexpr double kSureWithBook = 1.0 - 2e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
+// Callers of the library set those of <tagsmith/read.hpp>, which decoder/api/read.cpp copies.
 struct ReadOptions {
   // Looked for first, by fitting their frames where they should be: no search where that succeeds.
   std::vector<ExpectedTag> expected;

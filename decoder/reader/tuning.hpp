@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The thresholds of the reader, one struct for each stage. Where no command is named, `./dev bench
-// photos` shows what a change does: the dark and dirty photos most of all.
+// photos` shows what a change does: the dark and dirty photos most of all. tests/house limits their
+// number in the three modules: a new one takes the place of another.
 #pragma once
 
 #include <cstddef>

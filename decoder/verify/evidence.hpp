@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is seen of tags in one picture, measured once. Findings are functions of it (findings.hpp).
+// What is seen of tags in one picture. Findings are functions of it (findings.hpp); what one of
+// them alone needs is measured there.
 #pragma once
 
 #include <functional>

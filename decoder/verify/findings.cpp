@@ -22,12 +22,23 @@
 namespace tagsmith::detail {
 namespace {
 
-// In order of precedence: what a tag is, whether it reads, how it is printed, how it hangs, and
-// whether it belongs there.
+// In order of precedence: a tag has the first finding that is made of it.
 constexpr FindFault kFindings[] = {
-    find_stranger,    find_duplicate,   find_cut_off,    find_unread,
-    find_mirrored,    find_upside_down, find_bent,       find_misplaced,
-    find_wrong_scale, find_repeated,    find_other_file,
+    // Which tag it is, and whether it is read.
+    find_stranger,
+    find_duplicate,
+    find_cut_off,
+    find_unread,
+    // What would make the next ones wrong: a mirrored print looks upside down, and a plate upside
+    // down or bent looks as if it hung elsewhere.
+    find_mirrored,
+    find_upside_down,
+    find_bent,
+    // Where it hangs, in photos; then its size and its file, of prints.
+    find_misplaced,
+    find_wrong_scale,
+    find_repeated,
+    find_other_file,
 };
 
 // What the message of an unreadable tag begins with.

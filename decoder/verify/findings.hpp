@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is wrong with the tags of a picture: one function for each kind of finding, here or, where
 // it needs more than a picture's evidence, in hanging.hpp and frame_bow.hpp. To add one, write it,
-// name it in the list in findings.cpp, and describe its rule in verify_rules.cpp.
+// name it in the list in findings.cpp, and describe its rule in docs/verify-rules.md, which the
+// build takes into the program.
 #pragma once
 
 #include <optional>
@@ -11,8 +12,8 @@
 
 namespace tagsmith::detail {
 
-// Looks at one tag that no finding of higher precedence was made of. `status` of the picture's
-// other tags says which of them are in order so far.
+// Looks at one tag of which none of the findings before it in the list was made. `status` of the
+// picture's other tags is what those findings left.
 using FindFault = std::optional<Finding> (*)(const PictureEvidence&, const TagEvidence&);
 
 // Makes one finding at most of every tag: the first of the list, in its order of precedence.

@@ -130,7 +130,7 @@ void judge_place(const HungTag& hung, VerifiedTag& tag) {
       set_finding(tag, {TagStatus::misplaced, hung.rule, hung.message});
       return;
     case HangVerdict::doubtful:
-      if (tag.status == TagStatus::misplaced) return;  // the picture's order tells more
+      if (tag.status == TagStatus::misplaced) return;  // what the photo shows by itself tells more
       set_finding(tag, {TagStatus::doubtful, hung.rule, hung.message});
   }
 }

@@ -40,7 +40,7 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
                                const EachFile& files);
 
 // Writes into a photo's tags where they hang: off becomes `misplaced`, doubtful `doubtful`, and a
-// `misplaced` of find_misplaced that hangs as surveyed `ok`. In photos that fit no place of the
+// `misplaced` by one photo alone that hangs as surveyed `ok`. In photos that fit no place of the
 // cameras all tags become `doubtful`. What an earlier check said of where they hang is forgotten.
 // By a rig that stands_level, tags in order that the survey has upright and that stand on their
 // head, a quarter turn and more, become `misprinted` (rule `upside-down`), and what the camera's

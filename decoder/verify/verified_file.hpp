@@ -20,6 +20,9 @@
 
 namespace tagsmith::detail {
 
+// A fault is all but `ok` and `cut_off`; what should be known and is no fault is a note of the
+// file. Tags `ok` and `misplaced` also tell where they hang (hanging_check.hpp), so that all photos
+// together may clear what one photo found `misplaced`.
 enum class TagStatus {
   ok,          // the survey has this tag
   unknown,     // a good reading of a code that the survey does not have

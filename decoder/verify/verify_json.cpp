@@ -116,7 +116,7 @@ Json to_json(const VerifiedTag& tag) {
   if (tag.page > 0) object["page"] = tag.page;
   if (!tag.message.empty()) object["message"] = tag.message;
   if (!tag.rule.empty()) object["rule"] = tag.rule;
-  if (const VerifyRule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
+  if (const Rule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
   if (!tag.picture.file.empty()) object["crop"] = tag.picture.file;
   if (tag.hung) object["hanging"] = hanging_of(*tag.hung);
   if (!tag.in_place_of.empty()) object["in_place_of"] = tag.in_place_of;

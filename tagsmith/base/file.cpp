@@ -70,6 +70,10 @@ std::string yaml_files_in(const fs::path& folder) {
 Result<std::string> read_file(const fs::path& path, std::uintmax_t max_bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status) && fs::is_symlink(path, error)) {
+    return fail(fmt::format("{}: is a link to {}, which is not there", path.string(),
+                            fs::read_symlink(path, error).string()));
+  }
   if (!fs::exists(status)) return fail(path.string() + ": no such file" + likely_name(path));
   if (fs::is_directory(status)) {
     return fail(path.string() + ": is a directory, expected a file" + yaml_files_in(path));
@@ -116,6 +120,15 @@ Result<void> write_file(const fs::path& path, std::string_view bytes) {
     return fail(path.string() + ": cannot be written: " + error.message());
   }
   return {};
+}
+
+bool is_write_protected(const std::filesystem::path& file) {
+  using std::filesystem::perms;
+  std::error_code absent;
+  const std::filesystem::file_status status = std::filesystem::status(file, absent);
+  const perms writable = perms::owner_write | perms::group_write | perms::others_write;
+  return std::filesystem::is_regular_file(status) &&
+         (status.permissions() & writable) == perms::none;
 }
 
 }  // namespace tagsmith::detail

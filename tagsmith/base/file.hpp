@@ -19,4 +19,7 @@ Result<std::string> read_file(const std::filesystem::path& path,
 // folders are made. A link stays, its target is replaced; a stream (stream.hpp) is written to.
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 
+// Whether a file is there that nobody may write: to replace it is not what its owner expects.
+bool is_write_protected(const std::filesystem::path& file);
+
 }  // namespace tagsmith::detail

@@ -7,8 +7,8 @@
 
 namespace tagsmith::detail {
 
-// The value that `share` (0-1) of the others are not above, of values that are not none; 0.5 is
-// the median, the lower one of an even number's two. Changes their order.
+// The value at place share * (n - 1), rounded down, of n sorted values: 0.5 = the median, of an
+// even number the lower of the middle two. There must be at least one value; their order changes.
 template <class Value>
 Value quantile(std::vector<Value>& values, double share) {
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(

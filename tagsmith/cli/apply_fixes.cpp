@@ -60,6 +60,7 @@ Result<std::vector<FixedLine>> fix_file(const std::string& path,
   if (!text) return tl::unexpected(text.error());
   FixedText fixed = apply_fixes(*text, diagnostics);
   if (fixed.lines.empty()) return std::vector<FixedLine>{};
+  if (is_write_protected(path)) return fail(path + ": is write-protected, and has not been mended");
   if (Result<void> written = write_file(path, fixed.text); !written) {
     return tl::unexpected(written.error());
   }

@@ -110,6 +110,12 @@ Result<void> CommandFiles::check_folders() const {
       return fail(
           fmt::format("{} {}: is a folder, expected a file", output.role, output.path.string()));
     }
+    if (is_write_protected(target)) {
+      return fail(
+          fmt::format("{} {}: is write-protected, and would be replaced; allow writing to "
+                      "it, or give the output another name",
+                      output.role, output.path.string()));
+    }
     if (auto made = check(folder_of(target), output.role); !made) return made;
   }
   return {};

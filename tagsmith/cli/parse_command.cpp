@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <type_traits>
 
 #include <CLI/CLI.hpp>
@@ -42,6 +43,9 @@ std::string problem_of_value(const CommandOption& option, const std::string& tex
   if (!option.choices.empty()) {
     if (std::ranges::find(option.choices, text) != option.choices.end()) return {};
     return fmt::format("found `{}`, expected {}", text, fmt::join(option.choices, " or "));
+  }
+  if (text.empty() && option.kind != ValueKind::text) {
+    return "is empty, expected " + (option.placeholder.empty() ? "a name" : option.placeholder);
   }
   const bool takes_number =
       std::visit([](const auto& target) { return kTakesNumber<std::decay_t<decltype(target)>>; },
@@ -105,7 +109,11 @@ bool take(const CommandOption& option, const std::vector<std::string>& words) {
 void add_option(CLI::App& app, const CommandOption& option) {
   CLI::Option* added = nullptr;
   if (option.is_flag()) {
-    added = app.add_flag_function(option.names, [&option](std::int64_t) { take(option, {}); });
+    added = app.add_flag_function(option.names, [&option](std::int64_t given) {
+      // CLI11 gives what stands behind "=", less than 1 for "false".
+      if (given < 1) throw CLI::ValidationError(option.all_names().back(), "takes no value");
+      take(option, {});
+    });
   } else {
     added = app.add_option(option.names,
                            [&option](const CLI::results_t& words) { return take(option, words); });
@@ -148,6 +156,9 @@ Result<Asked> parse_command(const Command& command, const std::vector<std::strin
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForHelp&) {
     return Asked::help;
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string_view words = error.what();
+    return fail(fmt::format("{} needs a value", words.substr(0, words.find(':'))));
   } catch (const CLI::ParseError& error) {
     const std::vector<std::string> unknown = app.remaining();
     return fail(unknown.empty() ? error.what() : problem_of_unknown(command, unknown.front()));

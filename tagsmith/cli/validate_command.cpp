@@ -71,13 +71,25 @@ constexpr const char* kUnseenRemedy =
     "another height of the tag, a larger plate, another alpha, yaw or lens; `tagsmith plan` shows "
     "what the cameras see";
 
+// Why, most likely.
+std::string unseen_remedy(const Survey& survey, const Rig& rig, const PlacedTag& tag) {
+  const bool is_in_room =
+      rig.vehicle_height > 0 && rig.vehicle_height < survey.tunnel.height.at(tag.chainage);
+  if (is_in_room) return kUnseenRemedy;
+  return fmt::format(
+      "vehicle.height of {} is {} m: the height of the vehicle's centre above the "
+      "floor, in metres",
+      rig.file.string(), format_number(rig.vehicle_height, 3));
+}
+
 // Tags that the rig cannot see anywhere. The regular ones together: they come from one line.
 std::vector<Diagnostic> unseen_findings(const Survey& survey, const Rig& rig) {
   FindingLog log(survey.file.string());
   std::vector<std::size_t> regular;
   const auto add = [&](std::size_t tag, const std::string& message) {
     const PlacedTag& placed = survey.tags[tag];
-    log.warning({placed.line, placed.column}, std::string(kUnseenTagRule), message, kUnseenRemedy);
+    log.warning({placed.line, placed.column}, std::string(kUnseenTagRule), message,
+                unseen_remedy(survey, rig, placed));
   };
   for (const std::size_t tag : unseen_tags(survey, rig)) {
     if (survey.tags[tag].surveyed) {
@@ -221,14 +233,14 @@ int explain(const std::string& code) {
         "validate", {fmt::format("--explain: no rule {}{}", code,
                                  near ? ", did you mean " + *near + "?" : "; --rules lists them")});
   }
-  to_stdout("{}: {}\n{}\n", rule->code, rule->title, rule->explanation);
+  to_stdout("{}: {}\n{}\n", rule->code, rule->finds, rule->remedy);
   return kExitOk;
 }
 
 int list_rules() {
   to_stdout("| rule | finds | why, and what to do |\n|---|---|---|\n");
   for (const Rule& rule : rules()) {
-    to_stdout("| `{}` | {} | {} |\n", rule.code, rule.title, rule.explanation);
+    to_stdout("| `{}` | {} | {} |\n", rule.code, rule.finds, rule.remedy);
   }
   return kExitOk;
 }

@@ -14,6 +14,7 @@
 #include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/fit_plan.hpp"
 #include "tagsmith/survey/neighbour_heights.hpp"
+#include "tagsmith/survey/point_order.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -607,6 +608,7 @@ std::vector<CenterlineElement> elements_between(const std::vector<CenterlineElem
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options) {
   if (auto walls = check_has_walls(points); !walls) return tl::unexpected(walls.error());
+  if (auto ordered = check_order(points); !ordered) return tl::unexpected(ordered.error());
   const Result<WallPlan> plan = plan_of_walls(points, grid, tag, options);
   if (!plan) return tl::unexpected(plan.error());
   const Centerline level = options.alignment ? prolonged(*plan, tag.plate_length)

@@ -234,8 +234,9 @@ void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place
     log.warning(code_place, "alike-codes",
                 example + " differ by 1 and 7 or 2 and 8 alone" +
                     (count > 1 ? fmt::format("; {} such neighbours in all", count) : ""),
-                "these digits are the ones that blur confuses; another code.origin, or "
-                "check_digit: gs1, tells the tags apart");
+                fmt::format("these digits are the ones that blur confuses; another code.origin{} "
+                            "tells the tags apart",
+                            survey.code.check == CheckDigit::gs1 ? "" : ", or check_digit: gs1,"));
   }
   for (int axis = 0; axis < 3; ++axis) {
     constexpr double kNearEnd = 0.05;  // of the range

@@ -168,7 +168,16 @@ void warn_of_odd_lens(const MapReader& map, Place place, const Camera& camera) {
     log.warning(place, "odd-focal-length",
                 map.name() + ": a focal length of " + format_number(camera.fx, 1) + " pixels for " +
                     std::to_string(camera.width) + " pixels of width",
-                "focal lengths are in pixels here; so wide a lens needs model: fisheye");
+                map.has("focal_length_mm")
+                    ? "focal_length_mm and sensor_mm are in millimetres: 6 for 0.006 m"
+                    : "focal lengths are in pixels here; so wide a lens needs model: fisheye");
+  }
+  constexpr double kAlike = 0.05;
+  if (std::abs(camera.fx / camera.fy - 1) > kAlike) {
+    log.warning(place, "odd-focal-length",
+                map.name() + ": focal lengths of " + format_number(camera.fx, 1) + " and " +
+                    format_number(camera.fy, 1) + " pixels across and down",
+                "pixels are square, or nearly so: is a digit missing?");
   }
   const double right = camera.width - 1.0;
   const double bottom = camera.height - 1.0;

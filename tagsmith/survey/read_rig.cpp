@@ -135,7 +135,7 @@ std::optional<RigRange> read_range(const YamlNode& node, const std::string& name
   const auto wall = read_side(map, "wall", "wall: left or wall: right");
   const auto min = map.number("min", between(0, 1000, "m"));
   const auto max = map.number("max", above_zero(1000, "m"));
-  const auto sigma = map.number("sigma", above_zero(100, "m"));
+  const auto sigma = map.number("sigma", above_zero(1, "m"));
   if (!wall || !min || !max || !sigma) return std::nullopt;
   if (*min >= *max) {
     log.error(map.find("max")->place, "out-of-range",

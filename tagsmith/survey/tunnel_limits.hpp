@@ -10,7 +10,7 @@ namespace tagsmith::detail {
 // deviation.
 inline constexpr double kFarthest = 1e8;
 inline constexpr double kLongest = 1e5;
-inline constexpr double kWorstSigma = 10;
+inline constexpr double kWorstSigma = 0.5;
 inline constexpr std::size_t kMostElements = 1'000;
 
 }  // namespace tagsmith::detail

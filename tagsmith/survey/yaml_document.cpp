@@ -2,6 +2,7 @@
 #include "tagsmith/survey/yaml_document.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <exception>
 #include <sstream>
@@ -23,6 +24,14 @@ constexpr std::size_t kMostNodes = 4'000'000;
 // yaml-cpp reads an outermost [...] or {...} to its end before it says anything of it, at some 100
 // bytes of memory a byte.
 constexpr std::size_t kLongestFlow = 2'000'000;
+
+// Whether a tab is among the blanks that this line begins with.
+bool is_indented_by_tab(std::string_view text, int line) {
+  for (int i = 1; i < line && !text.empty(); ++i) {
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  }
+  return text.substr(0, text.find_first_not_of(" \t")).find('\t') != std::string_view::npos;
+}
 
 // Ends the parse; the reason is in the log.
 struct Abandoned : std::exception {};
@@ -227,7 +236,20 @@ const YamlNode* value_at(const YamlNode& map, std::string_view key) {
   return nullptr;
 }
 
+namespace {
+
+// How pictures and PDF files begin.
+bool begins_like_picture(std::string_view text) {
+  constexpr std::array<std::string_view, 6> kBegins{"\xFF\xD8\xFF", "\x89PNG", "%PDF",
+                                                    "II*",          "MM",      "RIFF"};
+  return std::ranges::any_of(kBegins,
+                             [&](std::string_view begin) { return text.starts_with(begin); });
+}
+
+}  // namespace
+
 bool check_utf8(std::string_view text, FindingLog& log) {
+  const bool is_picture = begins_like_picture(text);
   Place place{1, 1};
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
@@ -236,7 +258,8 @@ bool check_utf8(std::string_view text, FindingLog& log) {
         static_cast<unsigned char>(first) < 0x20 && first != '\t' && first != '\n' && first != '\r';
     if (length == 0 || control) {
       log.error(place, "not-utf-8", "a byte that is no text, expected UTF-8",
-                "save the file as UTF-8");
+                is_picture ? "this is a picture or a PDF, where a text file is expected"
+                           : "save the file as UTF-8");
       return false;
     }
     place = first == '\n' ? Place{place.line + 1, 1} : Place{place.line, place.column + 1};
@@ -257,8 +280,12 @@ std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
   } catch (const Abandoned&) {
     return std::nullopt;
   } catch (const YAML::Exception& error) {
-    log.error(place_of(error.mark), "syntax", "no valid YAML: " + error.msg,
-              "check indentation, brackets, quotes and colons on this line and the one before");
+    const Place place = place_of(error.mark);
+    log.error(place, "syntax", "no valid YAML: " + error.msg,
+              is_indented_by_tab(text, place.line)
+                  ? "indent by spaces: YAML takes no tabs there"
+                  : "check indentation, brackets, quotes and colons on this line and the one "
+                    "before");
     return std::nullopt;
   }
   std::optional<YamlNode> root = builder.take();

@@ -155,8 +155,13 @@ std::optional<double> read_number(const YamlNode* node, const std::string& name,
     return std::nullopt;
   }
   if (!contains(range, *value)) {
-    log.error(node->place, "out-of-range",
-              name + " is " + node->text + ", expected " + words_of(range));
+    const double from_mm = *value / 1000;
+    const bool may_be_mm = range.unit == "m" && contains(range, from_mm);
+    log.error(
+        node->place, "out-of-range", name + " is " + node->text + ", expected " + words_of(range),
+        may_be_mm
+            ? "metres are meant: write " + format_number(from_mm) + " for " + node->text + " mm"
+            : "");
     return std::nullopt;
   }
   return value;
@@ -271,6 +276,36 @@ const std::vector<YamlNode>* read_list(const YamlNode* node, const std::string& 
   return nullptr;
 }
 
+namespace {
+
+// Whether a key is what follows the comma of the number before it, as in { height: 0,24 }.
+bool follows_decimal_comma(const YamlNode& map, std::size_t key) {
+  const auto is_digits = [](const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  };
+  if (!map.flow || key == 0 || map.items[key].kind != YamlNode::Kind::empty) return false;
+  const YamlNode& before = map.items[key - 1];
+  const std::size_t sign = before.text.starts_with('-') ? 1 : 0;
+  return is_digits(map.keys[key].text) && before.kind == YamlNode::Kind::scalar && !before.quoted &&
+         is_digits(before.text.substr(sign));
+}
+
+void log_decimal_comma(const YamlNode& map, std::size_t key, FindingLog& log) {
+  const YamlNode& before = map.items[key - 1];
+  const std::string& decimals = map.keys[key].text;
+  const Place& place = map.keys[key].place;
+  const bool is_adjacent =
+      before.place.line == place.line &&
+      before.place.column + static_cast<int>(before.text.size()) + 1 == place.column;
+  log.error(
+      is_adjacent ? Place{place.line, place.column - 1} : place, "decimal-comma",
+      "a comma in the number `" + before.text + "," + decimals + "` of " + map.keys[key - 1].text,
+      "write " + before.text + "." + decimals + ": the decimal sign is a point",
+      is_adjacent ? std::optional(TextEdit{"," + decimals, "." + decimals}) : std::nullopt);
+}
+
+}  // namespace
+
 MapReader::MapReader(const YamlNode* node, std::string name, std::vector<std::string> known_keys,
                      FindingLog& log)
     : name_(std::move(name)), log_(&log) {
@@ -287,10 +322,13 @@ MapReader::MapReader(const YamlNode* node, std::string name, std::vector<std::st
     const bool usable = right && std::ranges::count(node->keys, *right, &YamlKey::text) == 0;
     return usable ? std::optional(TextEdit{key.text, *right}) : std::nullopt;
   };
-  for (const YamlKey& key : node->keys) {
+  for (std::size_t i = 0; i < node->keys.size(); ++i) {
+    const YamlKey& key = node->keys[i];
     if (key.text == "<<") {
       log.error(key.place, "merge-key", "the merge key <<, expected the keys themselves",
                 "write the keys out; merge keys are not supported");
+    } else if (follows_decimal_comma(*node, i)) {
+      log_decimal_comma(*node, i, log);
     } else if (std::ranges::count(known_keys, key.text) == 0) {
       const auto near = nearest_word(key.text, known_keys);
       log.error(key.place, "unknown-key",

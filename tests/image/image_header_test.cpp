@@ -76,6 +76,35 @@ TEST_CASE("A TIFF's sides stand in two or four bytes, the greatest first or last
   }
 }
 
+TEST_CASE("Further pages of a TIFF are known from its thumbnail") {
+  using namespace std::string_literals;
+  const std::string first =
+      "II*\0\x08\0\0\0\x02\0"
+      "\0\x01\x03\0\x01\0\0\0\x80\x02\0\0"
+      "\x01\x01\x03\0\x01\0\0\0\xE0\x01\0\0"
+      "\x26\0\0\0"s;  // the next directory is at byte 38
+  const std::string page = "\x01\0\xFE\0\x04\0\x01\0\0\0\x02\0\0\0\0\0\0\0"s;
+  const std::string thumbnail = "\x01\0\xFE\0\x04\0\x01\0\0\0\x01\0\0\0\0\0\0\0"s;
+  REQUIRE(first.size() == 38);
+  CHECK(read_image_header(first + page)->has_more);
+  CHECK_FALSE(read_image_header(first + thumbnail)->has_more);
+  CHECK_FALSE(read_image_header(encoded(".tiff"))->has_more);
+  // A directory that names itself as the next one.
+  std::string endless = first + thumbnail;
+  endless[52] = 38;
+  CHECK_FALSE(read_image_header(endless)->has_more);
+}
+
+TEST_CASE("An animated WebP is known by its header") {
+  using namespace std::string_literals;
+  const std::string still = "RIFF\x16\0\0\0WEBPVP8X\x0A\0\0\0\0\0\0\0\x24\0\0\x16\0\0"s;
+  REQUIRE(read_image_header(still));
+  CHECK_FALSE(read_image_header(still)->has_more);
+  std::string animated = still;
+  animated[20] = 2;
+  CHECK(read_image_header(animated)->has_more);
+}
+
 TEST_CASE("A JPEG's thumbnail does not stand in for its end") {
   std::string bytes = encoded(".jpg");
   bytes.insert(2, std::string("\xFF\xE1\x00\x06\xFF\xD8\xFF\xD9", 8));

@@ -25,8 +25,8 @@ namespace {
 // What every rule tells, the remedies of `verify` among it.
 std::vector<std::string> all_remedies() {
   std::vector<std::string> texts;
-  for (const VerifyRule& rule : verify_rules()) texts.emplace_back(rule.remedy);
-  for (const Rule& rule : rules()) texts.emplace_back(rule.explanation);
+  for (const Rule& rule : verify_rules()) texts.emplace_back(rule.remedy);
+  for (const Rule& rule : rules()) texts.emplace_back(rule.remedy);
   return texts;
 }
 
@@ -43,7 +43,7 @@ bool has_key(const json& schema, const std::string& section, const std::string& 
 }  // namespace
 
 TEST_CASE("what verify tells the people at the wall names no option of the program") {
-  for (const VerifyRule& rule : verify_rules()) {
+  for (const Rule& rule : verify_rules()) {
     CAPTURE(rule.remedy);
     CHECK(rule.remedy.find("--") == std::string::npos);
     CHECK(rule.remedy.find("tagsmith ") == std::string::npos);

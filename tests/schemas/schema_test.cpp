@@ -5,6 +5,7 @@
 // verdict.
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -53,6 +54,12 @@ const Json& good_surveyed_tunnel() {
       "sections": [ { "at": 0.5, "height": 3.1 }, { "at": 8.5, "height": 3.3 } ],
       "walls": { "left": [ [0.5, 2.1], [9.5, 2.3] ], "right": [ [0.5, 2.1] ] },
       "stand_off": 0.03 })"));
+    json["tunnel"]["centerline"]["elements"] = Json::parse(R"([ { "line": 12.0 },
+      { "clothoid": 5.5, "turn": "left", "to_radius": 30.5 },
+      { "clothoid": 5.5, "turn": "left", "from_radius": 30.5, "to_radius": 20.5, "grade": 1.5 } ])");
+    json["grid"]["crs"] = "EPSG:25832";
+    json["tags"].erase("pairs");
+    json["tags"]["to"] = 3.5;
     json["placed"][0].update(Json::parse(R"({ "facing": 88.5, "tilt": 3.5, "roll": -1.5 })"));
     return json;
   }();
@@ -68,7 +75,7 @@ const Json& good_template() {
       "right": "rechts" },
     "logo": { "file": "/usr/share/icons/none.svg", "size_mm": [20.5, 5.5] },
     "qr": { "size_mm": 9.5, "content": "{digits}" },
-    "patches": { "size_mm": 10.5 }, "material": "aluminium",
+    "patches": { "size_mm": 10.5 }, "material": "aluminium", "white_on_black": true,
     "holes": { "diameter_mm": 5.5, "at": [ [0.185, 0.135], [-0.185, 0.135] ] },
     "cut": { "contour": true, "corner_radius_mm": 4.5 } })");
   return tag;
@@ -95,13 +102,25 @@ const Json& good_rig() {
         "distortion": [0.1, 0.1, 0.1, 0.1, 0.1], "yaw": 5.5, "pitch": -2.5, "roll": 0.5,
         "position": [0.5, 0.1, 0.1], "exposure": 0.01, "blur_px": 0.5, "focus": 1.5,
         "aperture_mm": 2.5, "model": "perspective",
-        "sigma": { "position": 0.001, "angle": 0.05, "focal": 0.001, "center": 0.5 } },
+        "sigma": { "position": 0.001, "angle": 0.05, "focal": 0.001, "center": 0.5, "edge": 0.2 } },
       "rear": { "calibration": { "file": "none.yaml", "camera": "cam0" }, "model": "fisheye",
         "yaw": 180.5, "sigma": 0 } },
     "ranges": { "d": { "wall": "left", "min": 0.25, "max": 5.5, "sigma": 0.01 } },
     "vehicle": { "height": 0.24, "roll_sigma": 2.5, "pitch_sigma": 2.5, "height_sigma": 0.05,
       "envelope": { "lateral": 0.4, "yaw": 8.5, "speed": 1.5, "roll": 2.5, "pitch": 1.5 } } })");
   return rig;
+}
+
+// The names of all properties in a schema.
+std::set<std::string> keys_of(const Json& schema) {
+  std::set<std::string> keys;
+  for (const auto& [name, part] : schema.items()) {
+    if (name == "properties") {
+      for (const auto& [key, value] : part.items()) keys.insert(key);
+    }
+    if (part.is_structured()) keys.merge(keys_of(part));
+  }
+  return keys;
 }
 
 // Rules that look at more than the structure.
@@ -318,6 +337,20 @@ TEST_CASE("schema and parser agree on keys that exclude or need each other") {
       const std::string objection = parser_objection(format, document);
       CAPTURE(objection);
       CHECK(objection.empty() == row.good);
+    }
+  }
+}
+
+TEST_CASE("every key of a schema is in a good document and in docs/formats.md") {
+  const std::string formats_text = *read_file("docs/formats.md");
+  std::map<std::string, std::string> good;  // all good documents of a schema
+  for (const Format& format : formats()) good[format.name] += format.good.dump();
+  for (const auto& [name, documents] : good) {
+    for (const std::string& key : keys_of(schema_json(name))) {
+      CAPTURE(name);
+      CAPTURE(key);
+      CHECK(documents.find("\"" + key + "\":") != std::string::npos);
+      CHECK(formats_text.find(key) != std::string::npos);
     }
   }
 }

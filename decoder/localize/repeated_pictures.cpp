@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/repeated_pictures.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/core.h>
+
+namespace tagsmith::detail {
+namespace {
+
+constexpr std::size_t kMostRemembered = 64;
+
+}  // namespace
+
+std::uint64_t fingerprint(const GrayView& picture) {
+  std::uint64_t all = static_cast<std::uint64_t>(picture.width);
+  const auto width = static_cast<std::size_t>(picture.width);
+  for (int y = 0; y < picture.height; ++y) {
+    const std::string_view row(reinterpret_cast<const char*>(picture.row(y)), width);
+    all = 31 * all + std::hash<std::string_view>{}(row);
+  }
+  return all;
+}
+
+std::vector<CameraImage> PictureMemory::new_ones(std::span<const CameraImage> images,
+                                                 std::size_t measurement,
+                                                 Observation& observation) {
+  std::vector<CameraImage> kept;
+  for (const CameraImage& image : images) {
+    const std::uint64_t picture = fingerprint(image.image);
+    const auto earlier = std::ranges::find(seen_, picture, &Seen::picture);
+    if (earlier == seen_.end()) {
+      seen_.push_back({picture, measurement});
+      if (seen_.size() > kMostRemembered) seen_.pop_front();
+    } else if (earlier->measurement != measurement) {
+      observation.faults.push_back(
+          fmt::format("{}: not used, an earlier measurement has the same picture; does camera {} "
+                      "deliver new ones?",
+                      image.name, image.camera->name));
+      continue;
+    }
+    kept.push_back(image);
+  }
+  return kept;
+}
+
+void leave_out_repeated(std::vector<Observation>& rows) {
+  struct Place {
+    std::size_t row = 0;
+    std::string camera;
+  };
+  std::map<std::uint64_t, std::vector<Place>> places;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (const auto& [camera, picture] : rows[row].pictures)
+      places[picture].push_back({row, camera});
+  }
+  for (const auto& [picture, alike] : places) {
+    if (alike.size() < 2) continue;
+    for (const Place& place : alike) {
+      const Place& other = alike[&place == &alike.front() ? 1 : 0];
+      leave_out_pictures(
+          rows[place.row], {place.camera},
+          fmt::format("the picture of camera {} is not used: camera {} has the same one in row {}",
+                      place.camera, other.camera, rows[other.row].id));
+    }
+  }
+}
+
+}  // namespace tagsmith::detail

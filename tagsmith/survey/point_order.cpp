@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/point_order.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace tagsmith::detail {
+namespace {
+
+using Points = std::vector<const SurveyedPoint*>;
+
+Eigen::Vector2d place_of(const SurveyedPoint& point) { return point.in_grid.head<2>(); }
+
+// Whether the way by this point is a detour: no drive turns back between three points. Rough walls
+// that are measured closely do, by less than a metre.
+bool is_detour(const Points& points, std::size_t i) {
+  constexpr double kTimes = 3, kRough = 1;  // the direct way, metres
+  const Eigen::Vector2d before = place_of(*points[i - 1]), here = place_of(*points[i]),
+                        after = place_of(*points[i + 1]);
+  return (here - before).norm() + (after - here).norm() > kTimes * (after - before).norm() + kRough;
+}
+
+std::optional<std::size_t> first_detour(const Points& points) {
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    if (is_detour(points, i)) return i;
+  }
+  return std::nullopt;
+}
+
+double way_along(const Points& points) {
+  double way = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    way += (place_of(*points[i]) - place_of(*points[i - 1])).norm();
+  }
+  return way;
+}
+
+// The points near a detour without which there is none: those that leave about the shortest way.
+Points culprits(const Points& points, std::size_t detour) {
+  constexpr double kAboutAsShort = 1.5;
+  struct Culprit {
+    const SurveyedPoint* point = nullptr;
+    double way = 0;  // along the others
+  };
+  std::vector<Culprit> found;
+  const std::size_t first = detour - std::min<std::size_t>(detour, 2);
+  for (std::size_t i = first; i < std::min(detour + 3, points.size()); ++i) {
+    Points without = points;
+    without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!first_detour(without)) found.push_back({points[i], way_along(without)});
+  }
+  if (found.empty()) return {};
+  const double shortest = std::ranges::min_element(found, {}, &Culprit::way)->way;
+  Points likely;
+  for (const Culprit& culprit : found) {
+    if (culprit.way <= kAboutAsShort * shortest) likely.push_back(culprit.point);
+  }
+  return likely;
+}
+
+std::string names_of(const Points& points) {
+  std::vector<std::string> names;
+  for (const SurveyedPoint* point : points) {
+    names.push_back(fmt::format("{} (line {})", point->name, point->line));
+  }
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
+}  // namespace
+
+Result<void> check_order(const std::vector<SurveyedPoint>& points) {
+  std::map<PointKind, Points> kinds;
+  for (const SurveyedPoint& point : points) {
+    const bool runs_along = point.kind != PointKind::floor && point.kind != PointKind::roof;
+    if (runs_along && !point.chainage && !point.of_alignment) kinds[point.kind].push_back(&point);
+  }
+  for (const auto& [kind, of_kind] : kinds) {
+    const auto detour = first_detour(of_kind);
+    if (!detour) continue;
+    const Points wrong = culprits(of_kind, *detour);
+    const SurveyedPoint& at = *of_kind[*detour];
+    return fail(fmt::format(
+        "the points of one kind run back at {}, expected in order along the drive; {}",
+        names_of({&at}),
+        wrong.empty() ? std::string("list the points of each kind along the drive")
+                      : "compare the coordinates of " + names_of(wrong) +
+                            " with the field book: without it the others run along the drive"));
+  }
+  return {};
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photos that were not taken together, or by another camera than stated, give no position.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "decoder/localize/exchanged_cameras.hpp"
+#include "decoder/localize/joint_method.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tests/localize/site.hpp"
+
+using namespace tagsmith::detail;
+using tagsmith::detail::test::error_of;
+using tagsmith::detail::test::observation_at;
+using tagsmith::detail::test::pose_at;
+using tagsmith::detail::test::Site;
+using tagsmith::detail::test::site_named;
+
+namespace {
+
+std::vector<SeenTag> tags_of(const Observation& observation, const std::string& camera) {
+  std::vector<SeenTag> tags;
+  std::ranges::copy_if(observation.tags, std::back_inserter(tags),
+                       [&](const SeenTag& seen) { return seen.camera == camera; });
+  return tags;
+}
+
+// The left camera's tags from one place and the right one's from another.
+Observation mixed(const Site& site, double left, double right) {
+  Observation observation;
+  for (const auto& [camera, chainage] : {std::pair("left", left), std::pair("right", right)}) {
+    const Observation there = observation_at(site, pose_at(site, chainage, 0.1));
+    for (SeenTag& seen : tags_of(there, camera)) observation.tags.push_back(std::move(seen));
+  }
+  return observation;
+}
+
+bool shows_both(const Observation& observation) {
+  return !tags_of(observation, "left").empty() && !tags_of(observation, "right").empty();
+}
+
+GrayImage picture_of(std::uint8_t seed) {
+  GrayImage image{8, 6, std::vector<std::uint8_t>(48, 100)};
+  image.samples[17] = seed;
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("photos of two places give no position, however many tags one of them shows") {
+  int pairs = 0, with_several = 0;
+  for (const std::string name : {"corridor", "curved"}) {
+    CAPTURE(name);
+    const Site site = site_named(name);
+    for (double left = 0; left < 6; left += 0.7) {
+      for (double right = 0; right < 6; right += 0.5) {
+        if (std::abs(left - right) < 0.3) continue;
+        const Observation observation = mixed(site, left, right);
+        if (!shows_both(observation)) continue;
+        CAPTURE(left);
+        CAPTURE(right);
+        CHECK_FALSE(localize_jointly(observation, {site.survey}, site.rig).position_in_grid);
+        ++pairs;
+        with_several += observation.tags.size() > 2 ? 1 : 0;
+      }
+    }
+  }
+  CHECK(pairs > 60);
+  CHECK(with_several > 20);
+}
+
+TEST_CASE("two photos that agree outvote a third one") {
+  Site site = site_named("corridor");
+  site.rig.cameras.push_back(site.rig.cameras.front());
+  site.rig.cameras.back().name = "second";
+  const VehiclePose truth = pose_at(site, 3, 0.1);
+  Observation observation = mixed(site, 3, 4.4);
+  for (SeenTag seen : tags_of(observation, site.rig.cameras.front().name)) {
+    seen.camera = "second";
+    observation.tags.push_back(std::move(seen));
+  }
+  const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+  REQUIRE(fix.position_in_grid);
+  CHECK(error_of(fix, site, truth) < 1e-3);
+}
+
+TEST_CASE("pictures that an earlier measurement had are left out while the vehicle drives") {
+  const RigCamera left{.name = "left"}, right{.name = "right"};
+  const GrayImage first = picture_of(1), second = picture_of(2), third = picture_of(3);
+  PictureMemory memory;
+  Observation one, two, three;
+  const std::vector<CameraImage> at_first{{&left, first.view(), "a"}, {&right, second.view(), "b"}};
+  CHECK(memory.new_ones(at_first, 1, one).size() == 2);
+  CHECK(memory.new_ones(at_first, 1, one).size() == 2);  // the same measurement once more
+  CHECK(one.faults.empty());
+  const std::vector<CameraImage> later{{&left, first.view(), "c"}, {&right, third.view(), "d"}};
+  const auto kept = memory.new_ones(later, 2, two);
+  REQUIRE(kept.size() == 1);
+  CHECK(kept.front().name == "d");
+  REQUIRE(two.faults.size() == 1);
+  CHECK(two.faults.front().starts_with("c: not used"));
+  // A picture of the other camera.
+  CHECK(memory.new_ones(std::vector<CameraImage>{{&right, first.view(), "e"}}, 3, three).empty());
+}
+
+TEST_CASE("fingerprints tell pictures apart by a single grey level, and by their size") {
+  CHECK(fingerprint(picture_of(1).view()) == fingerprint(picture_of(1).view()));
+  CHECK(fingerprint(picture_of(1).view()) != fingerprint(picture_of(2).view()));
+  GrayImage turned = picture_of(100);
+  std::swap(turned.width, turned.height);
+  CHECK(fingerprint(turned.view()) != fingerprint(picture_of(100).view()));
+}
+
+TEST_CASE("of rows that share a picture none is located by it") {
+  const Site site = site_named("corridor");
+  std::vector<Observation> rows;
+  for (const double chainage : {2.0, 3.0, 4.0}) {
+    rows.push_back(observation_at(site, pose_at(site, chainage, 0.1)));
+    rows.back().id = std::to_string(rows.size());
+    rows.back().pictures = {{"left", rows.size()}, {"right", 10 + rows.size()}};
+  }
+  rows[2].pictures["left"] = rows[0].pictures["left"];
+  leave_out_repeated(rows);
+  CHECK(tags_of(rows[0], "left").empty());
+  CHECK(tags_of(rows[2], "left").empty());
+  CHECK_FALSE(tags_of(rows[0], "right").empty());
+  CHECK_FALSE(tags_of(rows[1], "left").empty());
+  REQUIRE(rows[2].faults.size() == 1);
+  CHECK(rows[2].faults.front() ==
+        "the picture of camera left is not used: camera left has the same one in row 1");
+}
+
+TEST_CASE("exchanged photos of two cameras are told, and locate nothing") {
+  const Site site = site_named("corridor");
+  std::vector<Observation> right, wrong;
+  for (double chainage = 1; chainage < 5; chainage += 0.5) {
+    const Observation row = observation_at(site, pose_at(site, chainage, 0.1));
+    right.push_back(row);
+    wrong.push_back(row);
+    for (SeenTag& seen : wrong.back().tags) {
+      seen.camera = seen.camera == "left" ? "right" : "left";
+    }
+  }
+  CHECK(leave_out_exchanged(right, {site.survey}, site.rig).empty());
+  CHECK_FALSE(right.front().tags.empty());
+  CHECK(leave_out_exchanged(wrong, {site.survey}, site.rig).find("left and right are exchanged") !=
+        std::string::npos);
+  for (const Observation& row : wrong) {
+    const Fix fix = localize_jointly(row, {site.survey}, site.rig);
+    CHECK_FALSE(fix.position_in_grid);
+    CHECK(fix.reason.find("exchanged") != std::string::npos);
+  }
+}
+
+TEST_CASE("a camera that looks elsewhere is not taken for another one") {
+  Site site = site_named("corridor");
+  std::vector<Observation> rows;
+  for (double chainage = 1; chainage < 5; chainage += 0.5) {
+    rows.push_back(observation_at(site, pose_at(site, chainage, 0.1)));
+  }
+  site.rig.cameras[0].vehicle_from_camera.rotation =
+      Eigen::AngleAxisd(radians(8), Eigen::Vector3d::UnitZ()) *
+      site.rig.cameras[0].vehicle_from_camera.rotation;
+  CHECK(leave_out_exchanged(rows, {site.survey}, site.rig).empty());
+  CHECK_FALSE(rows.front().tags.empty());
+}
