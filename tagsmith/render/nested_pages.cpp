@@ -24,8 +24,7 @@ NestPlan plan_on(const Rectangle& plate, double width, double height, double ble
   const PlateSize room = room_of(plate, bleed);
   const double most = area.width * area.height / (room.width * room.height) + 1;
   const auto count = static_cast<std::size_t>(std::min(most, static_cast<double>(plates)));
-  const std::vector<PlateSize> rooms(count, room);
-  return {width, height, pack_plates(rooms, area.width, area.height, may_turn).places,
+  return {width, height, pack_plates(room, count, area.width, area.height, may_turn).places,
           false, bleed,  0};
 }
 
@@ -35,9 +34,9 @@ double page_height_of(const PlatePacking& packing) {
 }
 
 // The plates on a piece of the roll.
-PlatePacking pack_on_roll(std::span<const PlateSize> rooms, double width) {
-  return pack_plates(rooms, content_area(width, kLongestPage).width,
-                     content_area(width, kLongestPage).height, true);
+PlatePacking pack_on_roll(const Rectangle& plate, std::size_t count, const NestPlan& plan) {
+  const Rectangle area = content_area(plan.page_width, kLongestPage);
+  return pack_plates(room_of(plate, plan.bleed), count, area.width, area.height, true);
 }
 
 // The tag in the room at this place, P on a whole dot. Turned, it stands on its left edge.
@@ -100,9 +99,7 @@ Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
   page.height = plan.page_height;
   std::vector<PlatePlace> places = plan.places;
   if (plan.roll) {
-    std::vector<PlateSize> rooms;
-    for (const NamedDrawing& tag : tags) rooms.push_back(room_of(tag.drawing.plate, plan.bleed));
-    PlatePacking packing = pack_on_roll(rooms, plan.page_width);
+    PlatePacking packing = pack_on_roll(tags.front().drawing.plate, tags.size(), plan);
     page.height = page_height_of(packing);
     places = std::move(packing.places);
   }
@@ -120,8 +117,7 @@ Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
 
 RollUse roll_use(const Rectangle& plate, const NestPlan& plan, std::size_t plates) {
   const auto length_of = [&](std::size_t count) {
-    const std::vector<PlateSize> rooms(count, room_of(plate, plan.bleed));
-    return count > 0 ? page_height_of(pack_on_roll(rooms, plan.page_width)) : 0;
+    return count > 0 ? page_height_of(pack_on_roll(plate, count, plan)) : 0;
   };
   const std::size_t full = plates / plan.places.size();
   const double length = static_cast<double>(full) * length_of(plan.places.size()) +

@@ -42,8 +42,8 @@ struct NamedDrawing {
   TagDrawing drawing;  // in the plate frame
 };
 
-// One page with these plates, at most plan.plates() of them and on a sheet all of one size. A page
-// of a roll is as short as its plates allow, which may be of several sizes.
+// One page with these plates of one size, 1 to plan.plates() of them. A page of a roll is as short
+// as its plates allow.
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
                     const NestPlan& plan);
 

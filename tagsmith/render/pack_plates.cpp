@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -70,7 +68,6 @@ struct Way {
   Stand first = Stand::as_it_is;
   Stand others = Stand::as_it_is;
   std::size_t change = 0;
-  bool largest_first = false;
 };
 
 struct Strip {
@@ -94,43 +91,32 @@ std::optional<PlatePlace> place_in(const Skyline& skyline, const PlateSize& size
   return PlatePlace{at.x, at.y, turn};
 }
 
-// In the plates' order; ends with the first that has no room. Of the largest first, all or none.
-PlatePacking pack(std::span<const PlateSize> plates, const std::vector<std::size_t>& by_size,
-                  const Strip& strip, const Way& way) {
+// Ends with the first plate that has no room.
+PlatePacking pack(const PlateSize& plate, std::size_t count, const Strip& strip, const Way& way) {
   PlatePacking packing;
-  packing.places.resize(plates.size());
   Skyline skyline(strip.width);
-  for (std::size_t i = 0; i < plates.size(); ++i) {
-    const std::size_t plate = way.largest_first ? by_size[i] : i;
+  for (std::size_t i = 0; i < count; ++i) {
     const Stand stand = i < way.change ? way.first : way.others;
-    const auto place = place_in(skyline, plates[plate], stand, strip.may_turn);
-    const PlateSize size = place && place->turned ? turned(plates[plate]) : plates[plate];
-    if (!place || place->y + size.height > strip.length + kPackRounding) {
-      packing.places.resize(way.largest_first ? 0 : i);
-      return packing;
-    }
-    packing.places[plate] = *place;
+    const auto place = place_in(skyline, plate, stand, strip.may_turn);
+    const PlateSize size = place && place->turned ? turned(plate) : plate;
+    if (!place || place->y + size.height > strip.length + kPackRounding) return packing;
+    packing.places.push_back(*place);
     packing.length = std::max(packing.length, place->y + size.height);
     skyline.add({place->x, place->y}, size);
   }
   return packing;
 }
 
-// `mixed`: the plates differ in size.
-std::vector<Way> ways_to_pack(std::size_t plates, bool may_turn, bool mixed) {
+std::vector<Way> ways_to_pack(std::size_t plates, bool may_turn) {
   std::vector<Way> ways{{}};
   if (!may_turn) return ways;
+  ways.push_back({Stand::turned, Stand::turned});
+  ways.push_back({Stand::higher, Stand::higher});
   constexpr std::size_t kMostChanges = 100;
   const std::size_t step = plates / kMostChanges + 1;
-  for (const bool largest_first : {false, true}) {
-    if (largest_first && !mixed) break;
-    ways.push_back({Stand::turned, Stand::turned, 0, largest_first});
-    ways.push_back({Stand::higher, Stand::higher, 0, largest_first});
-    if (largest_first) ways.push_back({Stand::as_it_is, Stand::as_it_is, 0, true});
-    for (std::size_t change = step; change < plates; change += step) {
-      ways.push_back({Stand::turned, Stand::as_it_is, change, largest_first});
-      ways.push_back({Stand::as_it_is, Stand::turned, change, largest_first});
-    }
+  for (std::size_t change = step; change < plates; change += step) {
+    ways.push_back({Stand::turned, Stand::as_it_is, change});
+    ways.push_back({Stand::as_it_is, Stand::turned, change});
   }
   return ways;
 }
@@ -144,19 +130,11 @@ bool better(const PlatePacking& a, const PlatePacking& b) {
 
 }  // namespace
 
-PlatePacking pack_plates(std::span<const PlateSize> plates, double width, double length,
+PlatePacking pack_plates(const PlateSize& plate, std::size_t count, double width, double length,
                          bool may_turn) {
-  std::vector<std::size_t> by_size(plates.size());
-  std::iota(by_size.begin(), by_size.end(), 0U);
-  std::ranges::stable_sort(by_size, std::greater<>(), [&](std::size_t i) {
-    return std::max(plates[i].width, plates[i].height);
-  });
-  const bool mixed = std::ranges::any_of(plates, [&](const PlateSize& size) {
-    return size.width != plates.front().width || size.height != plates.front().height;
-  });
   PlatePacking best;
-  for (const Way& way : ways_to_pack(plates.size(), may_turn, mixed)) {
-    PlatePacking packing = pack(plates, by_size, {width, length, may_turn}, way);
+  for (const Way& way : ways_to_pack(count, may_turn)) {
+    PlatePacking packing = pack(plate, count, {width, length, may_turn}, way);
     if (better(packing, best)) best = std::move(packing);
   }
   return best;

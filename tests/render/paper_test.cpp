@@ -2,8 +2,8 @@
 // Plates on papers: which carry them, nested and in tiles.
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <set>
+#include <span>
 
 #include <doctest/doctest.h>
 
@@ -40,12 +40,11 @@ bool cover_the_plate(const std::vector<Page>& pages) {
   return true;
 }
 
-std::vector<Rectangle> rooms_of(const std::vector<PlateSize>& plates, const PlatePacking& packing) {
+std::vector<Rectangle> rooms_of(const PlateSize& plate, const PlatePacking& packing) {
   std::vector<Rectangle> rooms;
-  for (std::size_t i = 0; i < plates.size(); ++i) {
-    const auto& [x, y, turned] = packing.places[i];
-    const auto& [width, height] = plates[i];
-    rooms.push_back({x, y, turned ? height : width, turned ? width : height});
+  for (const auto& [x, y, turned] : packing.places) {
+    rooms.push_back(
+        {x, y, turned ? plate.height : plate.width, turned ? plate.width : plate.height});
   }
   return rooms;
 }
@@ -54,6 +53,21 @@ bool overlap_visibly(const Rectangle& a, const Rectangle& b) {
   constexpr double kRounding = 1e-6;
   return std::min(a.x + a.width, b.x + b.width) - std::max(a.x, b.x) > kRounding &&
          std::min(a.y + a.height, b.y + b.height) - std::max(a.y, b.y) > kRounding;
+}
+
+constexpr double kLongestStrip = 1e9;
+
+// Each room lies on the strip, and over no other.
+void check_apart(const std::vector<Rectangle>& rooms, double width, double length) {
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    const Rectangle& room = rooms[i];
+    const bool inside = room.x >= 0 && room.y >= 0 && room.x + room.width < width + 1e-6 &&
+                        room.y + room.height < length + 1e-6;
+    CHECK(inside);
+    CHECK(std::ranges::none_of(std::span(rooms).first(i), [&](const Rectangle& other) {
+      return overlap_visibly(room, other);
+    }));
+  }
 }
 
 }  // namespace
@@ -108,55 +122,31 @@ TEST_CASE("the last page of a roll ends below its last row") {
   CHECK(lay_out_nested(three, {}, plan).height < 0.7);
 }
 
-TEST_CASE("plates of any sizes are packed apart, on little more of the strip than they cover") {
-  constexpr double kWidth = 1.0;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    CAPTURE(seed);
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> side(0.05, 0.5);
-    std::vector<PlateSize> plates;
-    double area = 0;
-    for (int i = 0; i < 60; ++i) {
-      plates.push_back({side(random), side(random)});
-      area += plates.back().width * plates.back().height;
-    }
-    const PlatePacking packing = pack_plates(plates, kWidth, kEndless, true);
-    REQUIRE(packing.places.size() == plates.size());
-    CHECK(packing.length * kWidth < 1.15 * area);
-    const std::vector<Rectangle> rooms = rooms_of(plates, packing);
-    for (std::size_t i = 0; i < rooms.size(); ++i) {
-      CHECK(rooms[i].x >= 0);
-      CHECK(rooms[i].x + rooms[i].width < kWidth + 1e-6);
-      CHECK(rooms[i].y + rooms[i].height < packing.length + 1e-6);
-      for (std::size_t j = 0; j < i; ++j) CHECK_FALSE(overlap_visibly(rooms[i], rooms[j]));
-    }
-    const PlatePacking part = pack_plates(plates, kWidth, packing.length / 2, true);
-    CHECK(part.places.size() < plates.size());
-    CHECK(part.places.size() > plates.size() / 4);
-    CHECK(part.length <= packing.length / 2 + 1e-6);
-  }
-}
-
-TEST_CASE("plates of one size take the shortest strip; those too large take none") {
+TEST_CASE("plates are packed apart on the shortest strip; those too large take no place") {
   struct Row {
-    double width, height, strip;
+    PlateSize plate;
+    double strip;
     std::size_t count;
     double least, most;  // of the length
   };
-  for (const Row& row : {Row{0.41, 0.31, 0.978, 16, 2.08, 2.27}, Row{0.2, 0.1, 0.4, 8, 0.4, 0.4},
-                         Row{0.3, 0.2, 0.4, 7, 1.05, 1.1}, Row{0.5, 0.1, 0.3, 3, 0.5, 0.5},
-                         Row{0.02, 0.01, 1.5, 2000, 0.266, 0.28}}) {
-    CAPTURE(row.width);
-    const std::vector<PlateSize> plates(row.count, {row.width, row.height});
-    const PlatePacking packing = pack_plates(plates, row.strip, kEndless, true);
+  for (const Row& row :
+       {Row{{0.41, 0.31}, 0.978, 16, 2.08, 2.27}, Row{{0.2, 0.1}, 0.4, 8, 0.4, 0.4},
+        Row{{0.3, 0.2}, 0.4, 7, 1.05, 1.1}, Row{{0.5, 0.1}, 0.3, 3, 0.5, 0.5},
+        Row{{0.02, 0.01}, 1.5, 2000, 0.266, 0.28}}) {
+    CAPTURE(row.plate.width);
+    const PlatePacking packing = pack_plates(row.plate, row.count, row.strip, kLongestStrip, true);
     CHECK(packing.places.size() == row.count);
     CHECK(packing.length >= row.least - 1e-6);
     CHECK(packing.length <= row.most + 1e-6);
+    check_apart(rooms_of(row.plate, packing), row.strip, packing.length);
+    const PlatePacking part = pack_plates(row.plate, row.count, row.strip, row.most / 2, true);
+    CHECK(part.places.size() < row.count);
+    check_apart(rooms_of(row.plate, part), row.strip, row.most / 2);
   }
-  const std::vector<PlateSize> large{{0.5, 0.6}};
-  CHECK(pack_plates(large, 0.4, kEndless, true).places.empty());
-  CHECK(pack_plates(large, 0.7, 0.4, true).places.empty());
-  CHECK(pack_plates({}, 0.4, kEndless, true).places.empty());
+  const PlateSize large{0.5, 0.6};
+  CHECK(pack_plates(large, 1, 0.4, kLongestStrip, true).places.empty());
+  CHECK(pack_plates(large, 1, 0.7, 0.4, true).places.empty());
+  CHECK(pack_plates(large, 0, 0.7, kLongestStrip, true).places.empty());
 }
 
 TEST_CASE("what a roll loses is said, over all its pages") {
