@@ -144,37 +144,14 @@ std::vector<SheetItem> contour_of(const TagDrawing& tag, double line_width) {
   return contour;
 }
 
-// Calls the function with every place that the item stands at.
-template <class Function>
-void for_each_place(SheetItem& any, const Function& function) {
-  std::visit(
-      [&](auto& item) {
-        if constexpr (requires { item.outlines; }) {
-          for (Points& outline : item.outlines) std::ranges::for_each(outline, function);
-        } else if constexpr (requires { item.points; }) {
-          std::ranges::for_each(item.points, function);
-        } else {
-          function(item.at);
-        }
-      },
-      any);
-}
-
 // Every item of the tag's drawing where its turn brings it.
 void turn(const PageTag& tag, std::vector<SheetItem>& items) {
   if (!tag.turned_about) return;
-  const auto turn_point = [&](Vector2d& at) {
-    at = point(on_page(tag, PlatePoint{at.x(), at.y()}));
-  };
   for (SheetItem& item : items) {
-    if (auto* area = std::get_if<SheetArea>(&item)) {
-      for (Points& outline : area->outlines) std::ranges::for_each(outline, turn_point);
-    } else if (auto* line = std::get_if<SheetLine>(&item)) {
-      std::ranges::for_each(line->points, turn_point);
-    } else if (auto* words = std::get_if<SheetText>(&item)) {
-      turn_point(words->at);
-      words->angle += std::numbers::pi / 2;
-    }
+    for_each_place(item, [&](Vector2d& at) {
+      at = point(on_page(tag, PlatePoint{at.x(), at.y()}));
+    });
+    if (auto* words = std::get_if<SheetText>(&item)) words->angle += std::numbers::pi / 2;
   }
 }
 

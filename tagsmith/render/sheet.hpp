@@ -3,6 +3,7 @@
 // technical drawings and for pages with plates alike.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <variant>
@@ -37,6 +38,22 @@ struct SheetText {
 };
 
 using SheetItem = std::variant<SheetLine, SheetArea, SheetText, SheetPicture>;
+
+// Calls the function with every place that the item stands at.
+template <class Function>
+void for_each_place(SheetItem& any, const Function& function) {
+  std::visit(
+      [&](auto& item) {
+        if constexpr (requires { item.outlines; }) {
+          for (auto& outline : item.outlines) std::ranges::for_each(outline, function);
+        } else if constexpr (requires { item.points; }) {
+          std::ranges::for_each(item.points, function);
+        } else {
+          function(item.at);
+        }
+      },
+      any);
+}
 
 struct SheetLayer {
   std::string name;

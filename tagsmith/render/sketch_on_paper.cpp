@@ -237,20 +237,7 @@ void for_each_point(const SketchItem& any, const Function& function) {
 }  // namespace
 
 SheetItem moved(SheetItem item, const Vector2d& by) {
-  const auto move = [&](std::vector<Vector2d>& points) {
-    for (Vector2d& point : points) point += by;
-  };
-  std::visit(
-      [&](auto& value) {
-        if constexpr (requires { value.outlines; }) {
-          std::ranges::for_each(value.outlines, move);
-        } else if constexpr (requires { value.points; }) {
-          move(value.points);
-        } else {
-          value.at += by;
-        }
-      },
-      item);
+  for_each_place(item, [&](Vector2d& at) { at += by; });
   return item;
 }
 
