@@ -244,10 +244,8 @@ void write_tag(DxfWriter& dxf, const Survey& survey, const PlacedTag& tag) {
     return grid_from_world(survey.grid, tag.world_from_plate * Vector3d(right, down, 0));
   };
   const auto write_outline = [&](const char* layer, const Rectangle& box) {
-    const double right = box.x + box.width;
-    const double bottom = box.y + box.height;
-    const std::array<Vector3d, 4> corners{in_grid(box.x, box.y), in_grid(right, box.y),
-                                          in_grid(right, bottom), in_grid(box.x, bottom)};
+    std::vector<Vector3d> corners;
+    for (const auto& [right, down] : corners_of(box)) corners.push_back(in_grid(right, down));
     write_polyline(dxf, layer, corners, true);
   };
   const Rectangle outline = plate_outline(plate);

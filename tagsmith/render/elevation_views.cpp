@@ -108,9 +108,11 @@ class Unrolled {
 
 std::vector<SketchPoint> box(const Unrolled& wall, const PlacedTag& tag,
                              const Rectangle& on_plate) {
-  const auto& [left, top, width, height] = on_plate;
-  return {wall.on_plate(tag, left, top), wall.on_plate(tag, left + width, top),
-          wall.on_plate(tag, left + width, top + height), wall.on_plate(tag, left, top + height)};
+  std::vector<SketchPoint> points;
+  for (const auto& [right, down] : corners_of(on_plate)) {
+    points.emplace_back(wall.on_plate(tag, right, down));
+  }
+  return points;
 }
 
 // The roof over the strip as it is unrolled, from its start.

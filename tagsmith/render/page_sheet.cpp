@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -22,11 +23,13 @@ Eigen::AlignedBox2d box_of(const Rectangle& r) {
   return {Vector2d(r.x, r.y), Vector2d(r.x + r.width, r.y + r.height)};
 }
 
-Points rectangle_outline(const Rectangle& r) {
-  const double right = r.x + r.width;
-  const double bottom = r.y + r.height;
-  return {{r.x, r.y}, {right, r.y}, {right, bottom}, {r.x, bottom}};
+Points points_of(std::span<const PlatePoint> outline) {
+  Points points;
+  std::ranges::transform(outline, std::back_inserter(points), point);
+  return points;
 }
+
+Points rectangle_outline(const Rectangle& r) { return points_of(corners_of(r)); }
 
 // Adds a quarter of a circle, clockwise from the angle (0 = to the right, then down). Its sides
 // miss the arc by less than a thousandth of the radius: finer than any plotter.
@@ -83,8 +86,7 @@ SheetArea area_of(const std::vector<Rectangle>& rectangles) {
 SheetArea area_of(const std::vector<std::vector<PlatePoint>>& outlines) {
   SheetArea area;
   for (const std::vector<PlatePoint>& outline : outlines) {
-    Points& points = area.outlines.emplace_back();
-    std::ranges::transform(outline, std::back_inserter(points), point);
+    area.outlines.push_back(points_of(outline));
   }
   return area;
 }
@@ -103,9 +105,7 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   if (!tag.bars.empty()) layer("bars") = {area_of(tag.bars)};
   auto& arrows = layer("up-arrow");
   for (const UpArrow& arrow : tag.arrows) {
-    Points corners;
-    for (const PlatePoint& corner : outline_of(arrow)) corners.push_back(point(corner));
-    arrows.push_back(SheetArea{{corners}});
+    arrows.push_back(SheetArea{{points_of(outline_of(arrow))}});
   }
   if (tag.logo && !tag.logo->outlines.empty()) layer("logo") = {area_of(tag.logo->outlines)};
   if (tag.patches) {

@@ -15,9 +15,9 @@ namespace {
 constexpr double kUnprinted = 0.005;  // what office printers leave blank
 
 SheetArea filled(const Rectangle& r, const Colour& fill) {
-  const Eigen::Vector2d from(r.x, r.y);
-  const Eigen::Vector2d to(r.x + r.width, r.y + r.height);
-  return {{{from, {to.x(), from.y()}, to, {from.x(), to.y()}}}, fill};
+  SheetArea area{{{}}, fill};
+  for (const auto& [x, y] : corners_of(r)) area.outlines.front().emplace_back(x, y);
+  return area;
 }
 
 Rectangle moved(const Rectangle& r, const PlatePoint& by) {

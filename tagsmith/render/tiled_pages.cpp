@@ -76,12 +76,6 @@ void add_clipped(Page& page, const Rectangle& window, PlatePoint from, PlatePoin
   page.lines.push_back({from, to});
 }
 
-std::array<PlatePoint, 4> corners_of(const Rectangle& box) {
-  const double right = box.x + box.width;
-  const double bottom = box.y + box.height;
-  return {{{box.x, box.y}, {right, box.y}, {right, bottom}, {box.x, bottom}}};
-}
-
 void add_plate_edge(Page& page, const Rectangle& plate, const Rectangle& window) {
   const std::array<PlatePoint, 4> corners = corners_of(plate);
   for (std::size_t i = 0; i < 4; ++i) {

@@ -208,6 +208,11 @@ void add_label(TagDrawing& drawing, const TagTemplate& tag, const TagText& text,
 
 }  // namespace
 
+std::array<PlatePoint, 4> corners_of(const Rectangle& rectangle) {
+  const auto& [x, y, width, height] = rectangle;
+  return {{{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}}};
+}
+
 std::array<PlatePoint, 7> outline_of(const UpArrow& arrow) {
   constexpr double kHead = 0.45;   // of the arrow's height
   constexpr double kShaft = 0.36;  // of its width

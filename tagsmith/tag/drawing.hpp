@@ -27,6 +27,9 @@ struct PlatePoint {
   double y = 0;
 };
 
+// Clockwise from the upper left one.
+std::array<PlatePoint, 4> corners_of(const Rectangle& rectangle);
+
 // How far the ink of a line of text may reach above and below its baseline, in heights of a capital
 // letter: room for accents, descenders and full-width characters. Who sets the text shrinks it to
 // stay inside.
