@@ -15,6 +15,16 @@ std::string_view trim(std::string_view text);
 
 bool is_digit(char c);
 
+// ASCII letters in lower or upper case; other characters stay.
+std::string lower_case(std::string_view text);
+std::string upper_case(std::string_view text);
+
+// The text in single quotes, those within doubled, as YAML and SQL have them.
+std::string single_quoted(std::string_view text);
+
+// The words between blanks, tabs and line ends.
+std::vector<std::string> split_words(std::string_view text);
+
 // The fields between the separators; an empty text has one empty field.
 std::vector<std::string> split(std::string_view text, char separator);
 

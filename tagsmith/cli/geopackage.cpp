@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/text.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -118,12 +120,6 @@ std::array<double, 4> extent_of(const GeoLayer& layer) {
   return extent;
 }
 
-std::string in_quotes(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
-  return quoted + "'";
-}
-
 // The layer's table, and what the standard's tables say of it.
 std::string layer_sql(const GeoLayer& layer, int srs, const std::string& changed) {
   std::string columns;
@@ -136,7 +132,7 @@ std::string layer_sql(const GeoLayer& layer, int srs, const std::string& changed
       "INSERT INTO gpkg_contents VALUES ({3}, 'features', {3}, '', '{4}T00:00:00.000Z',"
       " {5}, {6}, {7}, {8}, {9});"
       "INSERT INTO gpkg_geometry_columns VALUES ({3}, 'geom', '{1}', {9}, 1, 0);",
-      layer.name, layer.geometry, columns, in_quotes(layer.name),
+      layer.name, layer.geometry, columns, single_quoted(layer.name),
       changed.empty() ? "1970-01-01" : changed, low_x, low_y, high_x, high_y, srs);
 }
 

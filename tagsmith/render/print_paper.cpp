@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 #include <vector>
 
@@ -19,12 +18,6 @@ const std::array<PrintPaper, 7> kPapers{{{"Letter", 0.2159, 0.2794},
                                          {"A2", 0.420, 0.594},
                                          {"A1", 0.594, 0.841},
                                          {"A0", 0.841, 1.189}}};
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::optional<double> millimetres(std::string_view text) {
   const std::optional<double> number = parse_number(text);
@@ -68,9 +61,9 @@ std::span<const PrintPaper> print_papers() { return kPapers; }
 
 Result<PrintPaper> parse_print_paper(const std::string& text) {
   for (const PrintPaper& paper : kPapers) {
-    if (lower(paper.name) == lower(text)) return paper;
+    if (lower_case(paper.name) == lower_case(text)) return paper;
   }
-  const std::optional<PrintPaper> paper = parse_size(lower(text));
+  const std::optional<PrintPaper> paper = parse_size(lower_case(text));
   if (!paper) {
     return fail("--paper " + text +
                 ": expected A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in "
@@ -80,7 +73,7 @@ Result<PrintPaper> parse_print_paper(const std::string& text) {
 }
 
 Result<PrintPaper> parse_print_plate(const std::string& text) {
-  const std::optional<PrintPaper> plate = parse_sides(lower(text));
+  const std::optional<PrintPaper> plate = parse_sides(lower_case(text));
   if (!plate) return fail("--plate " + text + ": expected WIDTHxHEIGHT in millimetres");
   return checked("--plate " + text, *plate);
 }

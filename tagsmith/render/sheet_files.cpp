@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/sheet_files.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <utility>
 
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/png.hpp"
 #include "tagsmith/render/svg.hpp"
@@ -26,9 +25,7 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t nu
 }  // namespace
 
 std::optional<SheetFormat> sheet_format_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case(path.extension().string());
   if (extension == ".pdf") return SheetFormat::pdf;
   if (extension == ".svg") return SheetFormat::svg;
   if (extension == ".png") return SheetFormat::png;

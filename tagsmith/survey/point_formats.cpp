@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -163,9 +162,7 @@ class DxfPoints {
 
  private:
   bool keep_attribute(const DxfEntity& entity) {
-    std::string tag = entity.tag;
-    std::ranges::transform(tag, tag.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    const std::string tag = upper_case(entity.tag);
     const auto is_one_of = [&](std::initializer_list<const char*> names) {
       return std::ranges::find(names, tag) != names.end();
     };

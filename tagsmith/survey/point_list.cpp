@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -26,13 +25,6 @@ constexpr const char* kCodes = "TL, TR, WL, WR, CL, FL, RF or the name of a tag,
 // What numbers may be before their unit is known; check_reach says the rest.
 constexpr double kFarthestInMillimetres = 1000 * kFarthest;
 
-std::string upper(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return result;
-}
-
 std::optional<PointKind> kind_of(const std::string& code) {
   static const std::map<std::string, PointKind> kinds{
       {"TL", PointKind::left_tag},   {"TR", PointKind::right_tag},  {"WL", PointKind::left_wall},
@@ -54,7 +46,7 @@ Result<std::vector<std::string>> columns_of_order(const std::string& order) {
                                                  {'D', "code"}, {'-', ""}};
   std::vector<std::string> columns;
   std::set<std::string> seen;
-  for (const char letter : upper(order)) {
+  for (const char letter : upper_case(order)) {
     const auto name = names.find(letter);
     const bool usable =
         name != names.end() && (name->second.empty() || seen.insert(name->second).second);
@@ -136,7 +128,7 @@ class ListRow {
 };
 
 std::string code_of(std::string_view description) {
-  return upper(description.substr(0, description.find_first_of(" \t")));
+  return upper_case(description.substr(0, description.find_first_of(" \t")));
 }
 
 bool is_point_description(std::string_view description) {
@@ -146,7 +138,7 @@ bool is_point_description(std::string_view description) {
 
 bool is_ignored(const RawPoint& raw, const std::vector<std::string>& ignore) {
   const std::string code = code_of(raw.description);
-  return std::ranges::any_of(ignore, [&](const auto& word) { return upper(word) == code; });
+  return std::ranges::any_of(ignore, [&](const auto& word) { return upper_case(word) == code; });
 }
 
 // The point that the description says; `column` is its place in the line, for findings.

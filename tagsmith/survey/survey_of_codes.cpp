@@ -9,16 +9,6 @@
 
 namespace tagsmith::detail {
 
-namespace {
-
-std::string in_quotes(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
-  return quoted + "'";
-}
-
-}  // namespace
-
 Result<Survey> survey_of_codes(const std::string& tag_template, double width) {
   const auto file = find_template(tag_template, ".");
   if (!file) {
@@ -35,7 +25,7 @@ Result<Survey> survey_of_codes(const std::string& tag_template, double width) {
       "  centerline: {{ start: [{}, 0, 0], heading: 0, elements: [ {{ line: 99.99 }} ] }}\n"
       "tags: {{ template: {}, height: 1, spacing: 1, first: 1, pairs: 1 }}\n"
       "code: {{ check_digit: sum10, resolution: 0.01 }}\n",
-      width, width / 2, in_quotes(file->string()));
+      width, width / 2, single_quoted(file->string()));
   SurveyReading reading = read_survey_text("without a survey", text);
   if (!reading.survey) return fail(to_string(reading.diagnostics, true));
   reading.survey->tags.clear();

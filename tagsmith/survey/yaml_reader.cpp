@@ -2,7 +2,6 @@
 #include "tagsmith/survey/yaml_reader.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -14,13 +13,6 @@ namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kLongestText = 200;
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return result;
-}
 
 // A node in a few words, for "is ..., expected ...".
 std::string describe(const YamlNode& node) {
@@ -59,7 +51,7 @@ bool looks_octal(std::string_view text) {
 
 bool looks_infinite(std::string_view text) {
   if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
-  const std::string word = lower(text);
+  const std::string word = lower_case(text);
   return word == ".inf" || word == ".nan" || word == "inf" || word == "nan" || word == "infinity";
 }
 
@@ -195,7 +187,7 @@ std::optional<std::string> read_text(const YamlNode* node, const std::string& na
     wrong_type(*node, name, "text", log);
     return std::nullopt;
   }
-  const std::string word = lower(node->text);
+  const std::string word = lower_case(node->text);
   const bool other_type = parse_number(word) || looks_infinite(word) || word == "true" ||
                           word == "false" || word == "null" || word == "~";
   if (!node->quoted && other_type) {

@@ -170,13 +170,13 @@ std::vector<BoardTag> tags_on_grid(const BoardGrid& grid, int serial) {
 }
 
 std::array<PlatePoint, 4> corners_of(const Board& board, const BoardTag& tag) {
-  const double length = board.tag.frame_inner_length;
-  const double height = board.tag.frame_inner_height;
-  const auto printed = [&](double right, double down) {
-    return PlatePoint{board.scale[0] * (tag.corner.x + right),
-                      board.scale[1] * (tag.corner.y + down)};
-  };
-  return {printed(0, 0), printed(length, 0), printed(length, height), printed(0, height)};
+  std::array<PlatePoint, 4> corners = corners_of(
+      {tag.corner.x, tag.corner.y, board.tag.frame_inner_length, board.tag.frame_inner_height});
+  for (auto& [x, y] : corners) {
+    x *= board.scale[0];
+    y *= board.scale[1];
+  }
+  return corners;
 }
 
 double board_clearance(const TagTemplate& tag) { return tag.frame_stroke; }
