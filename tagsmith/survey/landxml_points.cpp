@@ -12,39 +12,24 @@
 #include "tagsmith/survey/point_formats.hpp"
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/survey/tunnel_limits.hpp"
+#include "tagsmith/survey/xml_document.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
 
-// Lines of nodes that are asked for in the order of the file.
-class LineCounter {
- public:
-  explicit LineCounter(std::string_view text) : text_(text) {}
-  int line_of(const pugi::xml_node& node) {
-    const auto to = std::clamp<std::ptrdiff_t>(node.offset_debug(), at_, std::ssize(text_));
-    line_ += static_cast<int>(std::count(text_.begin() + at_, text_.begin() + to, '\n'));
-    at_ = to;
-    return line_;
-  }
-
- private:
-  std::string_view text_;
-  std::ptrdiff_t at_ = 0;
-  int line_ = 1;
-};
+int line_of(const pugi::xml_node& node, const TextPlaces& places) {
+  return places.at(node.offset_debug()).line;
+}
 
 // The numbers of a node's text; empty when one is none.
 std::vector<double> numbers_of(const pugi::xml_node& node) {
   std::vector<double> numbers;
-  std::string_view text = trim(node.text().get());
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
-    const auto number = parse_number(text.substr(0, end));
+  for (const std::string& word : split_words(node.text().get())) {
+    const auto number = parse_number(word);
     if (!number) return {};
     numbers.push_back(*number);
-    text = trim(text.substr(end));
   }
   return numbers;
 }
@@ -202,7 +187,7 @@ bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double g
   });
 }
 
-void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter& lines,
+void sample_alignment(const pugi::xml_node& alignment, double metre, const TextPlaces& places,
                       RawPoints& result, FindingLog& log) {
   constexpr double kStep = 0.5;      // metres
   constexpr double kGap = 0.02;      // that elements may leave between them
@@ -216,7 +201,7 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
   std::vector<PieceEnd> ends;
   for (const pugi::xml_node& node : alignment.child("CoordGeom").children()) {
     if (node.type() != pugi::node_element) continue;
-    const int line = lines.line_of(node);
+    const int line = line_of(node, places);
     const auto piece = read_piece(node);
     const bool closes = piece && (along(*piece, piece->length) - piece->end).norm() <= kGap * metre;
     if (closes) sampled += piece->length;
@@ -245,7 +230,7 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
 }
 
 void read_alignments(const pugi::xml_node& root, const std::vector<std::string>& ignore,
-                     LineCounter& lines, RawPoints& result, FindingLog& log) {
+                     const TextPlaces& places, RawPoints& result, FindingLog& log) {
   std::vector<pugi::xml_node> alignments;
   std::string names;
   for (const pugi::xml_node& each : root.child("Alignments").children("Alignment")) {
@@ -256,12 +241,12 @@ void read_alignments(const pugi::xml_node& root, const std::vector<std::string>&
   }
   if (alignments.empty()) return;
   if (alignments.size() > 1) {
-    log.error({lines.line_of(alignments[1]), 0}, "several-alignments",
+    log.error({line_of(alignments[1], places), 0}, "several-alignments",
               "several alignments: " + names.substr(0, 300),
               "leave all but one out: --ignore NAME,NAME");
     return;
   }
-  sample_alignment(alignments[0], 1 / result.metres_per_unit.value_or(1), lines, result, log);
+  sample_alignment(alignments[0], 1 / result.metres_per_unit.value_or(1), places, result, log);
 }
 
 }  // namespace
@@ -269,14 +254,13 @@ void read_alignments(const pugi::xml_node& root, const std::vector<std::string>&
 RawPoints landxml_points(std::string_view text, const std::vector<std::string>& ignore,
                          FindingLog& log) {
   RawPoints result;
+  const TextPlaces places(text);
   pugi::xml_document document;
   const auto parsed =
       document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
   const pugi::xml_node root = document.child("LandXML");
   if (!parsed || !root) {
-    const auto bytes =
-        text.substr(0, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, parsed.offset)));
-    log.error({1 + static_cast<int>(std::ranges::count(bytes, '\n')), 0}, "syntax",
+    log.error({places.at(parsed.offset).line, 0}, "syntax",
               std::string("no valid LandXML: ") + parsed.description(),
               "write the file again with the program that made it");
     return result;
@@ -285,11 +269,10 @@ RawPoints landxml_points(std::string_view text, const std::vector<std::string>& 
   result.metres_per_unit = metres_of_unit(units.attribute("linearUnit").value());
   const std::string epsg = root.child("CoordinateSystem").attribute("epsgCode").value();
   result.epsg = parse_crs("EPSG:" + epsg).value_or(0);
-  LineCounter point_lines(text);
   for (const pugi::xml_node& group : root.children("CgPoints")) {
     for (const pugi::xml_node& node : group.children("CgPoint")) {
       if (node.attribute("pntRef")) continue;
-      const int line = point_lines.line_of(node);
+      const int line = line_of(node, places);
       const std::string name = node.attribute("name").value();
       const std::vector<double> p = numbers_of(node);
       if (p.size() != 3) {
@@ -302,8 +285,7 @@ RawPoints landxml_points(std::string_view text, const std::vector<std::string>& 
       if (!add_point(result, {line, name, description_of(node), {p[1], p[0], p[2]}}, log)) break;
     }
   }
-  LineCounter lines(text);
-  read_alignments(root, ignore, lines, result, log);
+  read_alignments(root, ignore, places, result, log);
   return result;
 }
 

@@ -2,11 +2,9 @@
 #include "tagsmith/survey/xml_document.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <pugixml.hpp>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "tagsmith/base/text.hpp"
 
@@ -15,41 +13,9 @@ namespace {
 
 constexpr int kDeepestElement = 32;
 
-// Lines and columns of byte offsets.
-class Places {
- public:
-  explicit Places(std::string_view text) : size_(text.size()) {
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (text[i] == '\n') line_starts_.push_back(i + 1);
-    }
-  }
-
-  Place at(std::ptrdiff_t offset) const {
-    const std::size_t byte =
-        std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)), size_);
-    const auto next = std::ranges::upper_bound(line_starts_, byte);
-    return {static_cast<int>(next - line_starts_.begin()),
-            static_cast<int>(byte - *std::prev(next)) + 1};
-  }
-
- private:
-  std::size_t size_;
-  std::vector<std::size_t> line_starts_{0};
-};
-
 // pugixml places an element at its name, one character after its bracket.
-Place place_of(const pugi::xml_node& element, const Places& places) {
+Place place_of(const pugi::xml_node& element, const TextPlaces& places) {
   return places.at(element.offset_debug() - 1);
-}
-
-std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> words;
-  while (!(text = trim(text)).empty()) {
-    const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
-    words.emplace_back(text.substr(0, end));
-    text.remove_prefix(end);
-  }
-  return words;
 }
 
 YamlNode scalar(std::string text, Place place) {
@@ -67,7 +33,7 @@ YamlNode text_value(std::string_view text, Place place) {
     node.quoted = true;
     return node;
   }
-  std::vector<std::string> words = words_of(text);
+  std::vector<std::string> words = split_words(text);
   if (words.size() == 1) return scalar(std::move(words.front()), place);
   YamlNode node;
   node.place = place;
@@ -77,7 +43,8 @@ YamlNode text_value(std::string_view text, Place place) {
   return node;
 }
 
-YamlNode value_of(const pugi::xml_node& element, const Places& places, int depth, FindingLog& log) {
+YamlNode value_of(const pugi::xml_node& element, const TextPlaces& places, int depth,
+                  FindingLog& log) {
   const Place place = place_of(element, places);
   YamlNode node;
   node.place = place;
@@ -102,9 +69,23 @@ YamlNode value_of(const pugi::xml_node& element, const Places& places, int depth
 
 }  // namespace
 
+TextPlaces::TextPlaces(std::string_view text) : size_(text.size()) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\n') line_starts_.push_back(i + 1);
+  }
+}
+
+Place TextPlaces::at(std::ptrdiff_t offset) const {
+  const std::size_t byte =
+      std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)), size_);
+  const auto next = std::ranges::upper_bound(line_starts_, byte);
+  return {static_cast<int>(next - line_starts_.begin()),
+          static_cast<int>(byte - *std::prev(next)) + 1};
+}
+
 std::optional<YamlNode> parse_xml(std::string_view text, FindingLog& log) {
   if (!check_utf8(text, log)) return std::nullopt;
-  const Places places(text);
+  const TextPlaces places(text);
   pugi::xml_document document;
   const pugi::xml_parse_result result =
       document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
