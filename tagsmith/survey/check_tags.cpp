@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <set>
 #include <type_traits>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/drawing.hpp"
@@ -19,31 +20,19 @@ namespace {
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 constexpr double kTouching = 1e-3;  // metres that plates may share with each other or the rock
 
-struct Extent {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-};
-
-Extent extent_of(const std::vector<SourcedTag>& tags, int axis) {
-  Extent extent;
-  for (const SourcedTag& entry : tags) {
-    extent.low = std::min(extent.low, entry.tag.p_in_grid[axis]);
-    extent.high = std::max(extent.high, entry.tag.p_in_grid[axis]);
-  }
-  return extent;
-}
-
 // How the code could say the positions of all tags on this axis.
 std::string range_remedy(const PositionCode& code, const std::vector<SourcedTag>& tags, int axis) {
-  const Extent extent = extent_of(tags, axis);
+  Eigen::AlignedBox3d box;
+  for (const SourcedTag& entry : tags) box.extend(entry.tag.p_in_grid);
+  const double extent = box.sizes()[axis];
   const auto [low, high] = coded_range(code, axis);
   const std::string name = kAxisNames[axis];
-  if (extent.high - extent.low < high - low) {
-    return "an origin of " + format_number(std::floor(extent.low)) + " for " + name +
+  if (extent < high - low) {
+    return "an origin of " + format_number(std::floor(box.min()[axis])) + " for " + name +
            " (code.origin) brings all tags into range";
   }
-  return "the tags span " + length_text(extent.high - extent.low) + " along " + name +
-         ": more digits for " + name + " (code.digits) or a coarser code.resolution";
+  return "the tags span " + length_text(extent) + " along " + name + ": more digits for " + name +
+         " (code.digits) or a coarser code.resolution";
 }
 
 std::string range_message(const PositionCode& code, const PlacedTag& tag, int axis) {

@@ -10,6 +10,7 @@
 #include <set>
 #include <span>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "tagsmith/base/printable.hpp"
@@ -244,6 +245,12 @@ std::vector<Eigen::Vector3d> positions_of(std::span<const PairOfTags> pairs) {
   return positions;
 }
 
+Eigen::AlignedBox3d box_around(const std::vector<Eigen::Vector3d>& positions) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : positions) box.extend(p);
+  return box;
+}
+
 // One beyond the last pair that a code of the finest resolution reaches from `begin` on.
 std::size_t end_of_part(const std::vector<PairOfTags>& pairs, std::size_t begin, CheckDigit check) {
   std::vector<Eigen::Vector3d> corners;  // of the box around the pairs so far
@@ -253,13 +260,8 @@ std::size_t end_of_part(const std::vector<PairOfTags>& pairs, std::size_t begin,
     tried.insert(tried.end(), pairs[end].positions.begin(), pairs[end].positions.end());
     const Result<PositionCode> code = code_for(tried, check);
     if (!code || code->resolution[0] > kFinestResolution) break;
-    Eigen::Vector3d low = tried.front();
-    Eigen::Vector3d high = low;
-    for (const Eigen::Vector3d& p : tried) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    corners = {low, high};
+    const Eigen::AlignedBox3d box = box_around(tried);
+    corners = {box.min(), box.max()};
   }
   return end;
 }
@@ -449,20 +451,15 @@ std::vector<Eigen::Vector3d> tag_positions(const SurveyDraft& draft) {
 }
 
 Result<PositionCode> code_for(const std::vector<Eigen::Vector3d>& positions, CheckDigit check) {
-  Eigen::Vector3d low = positions.front();
-  Eigen::Vector3d high = low;
-  for (const Eigen::Vector3d& p : positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  const Eigen::AlignedBox3d box = box_around(positions);
   PositionCode code;
   code.check = check;
-  Eigen::Vector3d origin = (low.array() - 1).floor();
+  Eigen::Vector3d origin = (box.min().array() - 1).floor();
   for (const double resolution : {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0}) {
     std::array<int, 3> counts{};
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       const auto index = static_cast<std::size_t>(axis);
-      counts[index] = digits_for(high[axis] - origin[axis], resolution);
+      counts[index] = digits_for(box.max()[axis] - origin[axis], resolution);
     }
     const int spare =
         static_cast<int>(kPayloadDigits) - std::accumulate(counts.begin(), counts.end(), 0);
@@ -473,7 +470,7 @@ Result<PositionCode> code_for(const std::vector<Eigen::Vector3d>& positions, Che
     code.origin = {origin.x(), origin.y(), origin.z()};
     return code;
   }
-  const Eigen::Vector3d span = high - low;
+  const Eigen::Vector3d span = box.sizes();
   return fail(
       fmt::format("the tags lie {:.0f} m, {:.0f} m and {:.0f} m apart along x, y and z, too "
                   "far for eleven digits: check the farthest, or --split",
