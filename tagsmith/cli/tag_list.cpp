@@ -17,6 +17,7 @@
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/revision.hpp"
+#include "tagsmith/survey/setting_out.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -30,18 +31,6 @@ Json point_json(const Eigen::Vector3d& p) {
   return {micrometre(p.x()), micrometre(p.y()), micrometre(p.z())};
 }
 
-// Where a tag is in a surveyor's words.
-struct Address {
-  double offset = 0;  // of P from the center line, positive to the right
-  double height = 0;  // of P above the floor
-};
-
-Address address_of(const Survey& survey, const PlacedTag& tag) {
-  const Eigen::Vector3d& p = tag.world_from_plate.translation;
-  const Centerline& line = survey.tunnel.centerline;
-  return {line.locate(p.head<2>()).offset, p.z() - line.at(tag.chainage).position.z()};
-}
-
 // Of the way the plate faces, degrees in the grid, 0 to 360.
 double facing_heading(const Survey& survey, const PlacedTag& tag) {
   const double heading = grid_heading_from_world(survey.grid, facing_of(tag.world_from_plate));
@@ -50,15 +39,14 @@ double facing_heading(const Survey& survey, const PlacedTag& tag) {
 }
 
 Json tag_json(const Survey& survey, const PlacedTag& tag) {
-  const Address address = address_of(survey, tag);
   Json json{{"tag", tag.name},
             {"side", to_string(tag.side)},
             {"digits", to_string(tag.digits)},
             {"position", point_json(tag.p_in_grid)},
             {"coded_position", point_json(tag.coded_in_grid)},
             {"chainage", micrometre(tag.chainage)},
-            {"offset", micrometre(address.offset)},
-            {"height", micrometre(address.height)},
+            {"offset", micrometre(offset_of_p(survey, tag))},
+            {"height", micrometre(height_of_p(survey, tag))},
             {"facing_deg", facing_heading(survey, tag)},
             {"tilt_deg", degrees(tag.attitude ? tag.attitude->tilt : 0)},
             {"roll_deg", degrees(tag.attitude ? tag.attitude->roll : 0)},
@@ -163,10 +151,9 @@ std::string tags_csv(const Survey& survey) {
   const PositionCode& code = survey.code;
   std::string csv = csv_row(own_columns());
   for (const PlacedTag& tag : survey.tags) {
-    const Address address = address_of(survey, tag);
     std::vector<std::string> row{tag.name, to_string(tag.side), to_string(tag.digits)};
     append(row, tag.p_in_grid);
-    for (const double length : {tag.chainage, address.offset, address.height}) {
+    for (const double length : {tag.chainage, offset_of_p(survey, tag), height_of_p(survey, tag)}) {
       row.push_back(format_number(length));
     }
     row.push_back(states_sigma_of(survey, tag) ? format_number(tag.sigma) : "");

@@ -26,6 +26,7 @@
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/rules.hpp"
+#include "tagsmith/survey/setting_out.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -60,11 +61,10 @@ bool collect(const Result<Reading>& reading, Findings& findings) {
 
 std::string unseen_words(const Survey& survey, const Rig& rig, std::size_t tag) {
   const PlacedTag& placed = survey.tags[tag];
-  const Eigen::Vector3d& p = placed.world_from_plate.translation;
-  const double floor = survey.tunnel.centerline.at(placed.chainage).position.z();
   return fmt::format(
       "tag {} is seen by no camera of {}: P {} m above the floor, cameras about {} m", placed.name,
-      rig.file.string(), format_number(p.z() - floor, 2), format_number(rig.vehicle_height, 2));
+      rig.file.string(), format_number(height_of_p(survey, placed), 2),
+      format_number(rig.vehicle_height, 2));
 }
 
 constexpr const char* kUnseenRemedy =

@@ -170,10 +170,6 @@ void draw_ranges(SketchLayer& layer, const Rig& rig, const Tunnel& tunnel, doubl
 
 std::string metres(double length) { return format_number(length, 3); }
 
-double height_of_p(const Survey& survey, const PlacedTag& tag) {
-  return tag.world_from_plate.translation.z() - floor_at(survey, tag);
-}
-
 std::optional<TagPair> first_pair(const Survey& survey) {
   for (std::size_t i = 1; i < survey.tags.size(); ++i) {
     const PlacedTag& left = survey.tags[i - 1];

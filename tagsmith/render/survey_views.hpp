@@ -19,9 +19,6 @@ namespace tagsmith::detail {
 // A length in words of a drawing: to the millimetre, without zeros at its end.
 std::string metres(double length);
 
-// Of corner P above the floor at its chainage.
-double height_of_p(const Survey& survey, const PlacedTag& tag);
-
 // The plan and the elevation of each wall by strips, at a scale at which `least` can be read.
 // The first plan shows the start of the drive with its coordinates and heading, and each the grid's
 // origin where it is near.

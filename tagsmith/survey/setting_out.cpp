@@ -5,6 +5,15 @@
 
 namespace tagsmith::detail {
 
+double height_of_p(const Survey& survey, const PlacedTag& tag) {
+  return tag.world_from_plate.translation.z() -
+         survey.tunnel.centerline.at(tag.chainage).position.z();
+}
+
+double offset_of_p(const Survey& survey, const PlacedTag& tag) {
+  return survey.tunnel.centerline.locate(tag.world_from_plate.translation.head<2>()).offset;
+}
+
 double usual_tolerance(const Survey& survey) {
   constexpr double kTapeAndLevel = 0.005;
   return survey.states_sigma ? std::max(2 * survey.sigma, kTapeAndLevel) : kTapeAndLevel;
@@ -12,13 +21,10 @@ double usual_tolerance(const Survey& survey) {
 
 std::vector<SettingOut> setting_out(const Survey& survey, std::span<const PlacedTag* const> tags,
                                     double tolerance) {
-  const Centerline& line = survey.tunnel.centerline;
   std::vector<SettingOut> list;
   for (const PlacedTag* tag : tags) {
-    const Eigen::Vector3d& p = tag->world_from_plate.translation;
-    const CenterlineAddress address = line.locate(p.head<2>());
-    const double floor = line.at(address.chainage).position.z();
-    list.push_back({tag, address.chainage, address.offset, p.z() - floor, tolerance});
+    list.push_back(
+        {tag, tag->chainage, offset_of_p(survey, *tag), height_of_p(survey, *tag), tolerance});
   }
   return list;
 }

@@ -18,6 +18,12 @@ struct SettingOut {
   double tolerance = 0;  // how far from here P may be hung
 };
 
+// Of corner P above the floor at its chainage.
+double height_of_p(const Survey& survey, const PlacedTag& tag);
+
+// Of corner P from the center line, negative = left of the drive.
+double offset_of_p(const Survey& survey, const PlacedTag& tag);
+
 // How far a plate may hang from its place unless the user says otherwise: twice the standard
 // deviation of a surveyed coordinate where the survey states it, but no less than what a tape and a
 // level can do.
