@@ -158,14 +158,14 @@ window.addEventListener('resize', draw);
 )js";
 
 Json value(double number) {
-  return std::isfinite(number) ? Json(std::round(number * 1e6) / 1e6) : Json(nullptr);
+  return std::isfinite(number) ? Json(with_decimals(number, 6)) : Json(nullptr);
 }
 
 Json point(const Eigen::Vector3d& in_world, const Survey& survey) {
   const Eigen::Vector3d in_grid = grid_from_world(survey.grid, in_world);
   // As it is seen from above: a grid with x to the left is not mirrored.
   const double x = survey.grid.x_axis_left ? -in_grid.x() : in_grid.x();
-  return Json::array({std::round(x * 1e3) / 1e3, std::round(in_grid.y() * 1e3) / 1e3});
+  return Json::array({with_decimals(x, 3), with_decimals(in_grid.y(), 3)});
 }
 
 Json line_beside(const Survey& survey, const ChainageProfile& offset, double from, double to) {
@@ -180,29 +180,11 @@ Json line_beside(const Survey& survey, const ChainageProfile& offset, double fro
   return line;
 }
 
-const char* name_of(Service service) {
-  switch (service) {
-    case Service::both_walls:
-      return "both";
-    case Service::confirmed:
-      return "confirmed";
-    case Service::one_tag:
-      return "one";
-    case Service::some_poses:
-      return "some";
-    case Service::none:
-      break;
-  }
-  return "none";
-}
-
 Json colours() {
   Json all;
-  for (const Service service : {Service::both_walls, Service::confirmed, Service::one_tag,
-                                Service::some_poses, Service::none}) {
-    const Colour colour = colour_of(service);
+  for (const auto& [key, words, colour] : kServiceStyles) {
     const auto byte = [](double share) { return static_cast<int>(std::lround(255 * share)); };
-    all[name_of(service)] =
+    all[key] =
         fmt::format("#{:02x}{:02x}{:02x}", byte(colour.red), byte(colour.green), byte(colour.blue));
   }
   return all;
@@ -230,23 +212,18 @@ Json chart_json(const DrivePlan& plan) {
     json["worst"].push_back(value(worst->worst.plane));
     json["paper"].push_back(value(worst->paper.sigma.plane));
     json["tags"].push_back(worst->least_tags);
-    json["service"].push_back(name_of(service_of(plan, *worst)));
+    json["service"].push_back(style_of(service_of(plan, *worst)).key);
   }
   return json;
 }
 
 Json coverage(const Survey& survey, const DrivePlan& plan) {
   Json runs = Json::array();
-  for (std::size_t first = 0; first < plan.columns.size();) {
-    const Service service = service_of(plan, plan.columns[first]);
-    std::size_t last = first;
-    while (last + 1 < plan.columns.size() && service_of(plan, plan.columns[last + 1]) == service) {
-      ++last;
-    }
-    const double to = plan.columns[std::min(last + 1, plan.columns.size() - 1)].chainage;
-    runs.push_back({{"service", name_of(service)},
-                    {"line", line_beside(survey, 0, plan.columns[first].chainage, to)}});
-    first = last + 1;
+  for (const auto& [first, last, service] : service_runs(plan)) {
+    const double from = plan.columns[first].chainage;
+    const double to = plan.columns[last].chainage;
+    runs.push_back(
+        {{"service", style_of(service).key}, {"line", line_beside(survey, 0, from, to)}});
   }
   return runs;
 }

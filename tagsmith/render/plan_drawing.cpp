@@ -26,35 +26,13 @@ constexpr double kCoverageWidth = 0.0012;  // of the coloured center line, metre
 constexpr double kProfileHeight = 0.050;   // of the profile, metres on paper
 constexpr double kProfileRoom = 0.055;     // beside it, for the words of its axes
 
-// The runs of columns within [from, to] that are served alike.
-struct Run {
-  std::size_t first = 0;
-  std::size_t last = 0;
-  Service service = Service::none;
-};
-
-std::vector<Run> runs(const DrivePlan& plan, double from, double to) {
-  std::vector<Run> all;
-  for (std::size_t i = 0; i < plan.columns.size(); ++i) {
-    const PlanColumn& column = plan.columns[i];
-    if (column.chainage < from || column.chainage > to) continue;
-    const Service service = service_of(plan, column);
-    if (all.empty() || all.back().service != service) {
-      if (!all.empty()) all.back().last = i;
-      all.push_back({i, i, service});
-    }
-    all.back().last = i;
-  }
-  return all;
-}
-
-LineStyle line_of(Service service) { return {colour_of(service), kCoverageWidth, {}}; }
+LineStyle line_in(const Colour& colour) { return {colour, kCoverageWidth, {}}; }
 
 void draw_coverage(const Survey& survey, const DrivePlan& plan, const PlanStrip& strip,
                    Sketch& sketch) {
   constexpr double kSag = 0.001;  // metres that straight pieces miss a bend by
-  for (const Run& run : runs(plan, strip.from, strip.to)) {
-    Polyline line{{}, line_of(run.service)};
+  for (const ServiceRun& run : service_runs(plan, strip.from, strip.to)) {
+    Polyline line{{}, line_in(style_of(run.service).colour)};
     const double from = plan.columns[run.first].chainage;
     const double to = plan.columns[run.last].chainage;
     for (const SidePoint& point : side_points(survey.tunnel.centerline, 0, from, to, kSag)) {
@@ -144,8 +122,8 @@ void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
 
 // Coverage below the axis, as on the center line.
 void draw_coverage_strip(const DrivePlan& plan, const ProfileAxes& axes, Sketch& sketch) {
-  for (const Run& run : runs(plan, axes.from, axes.to)) {
-    Polyline line{{}, line_of(run.service)};
+  for (const ServiceRun& run : service_runs(plan, axes.from, axes.to)) {
+    Polyline line{{}, line_in(style_of(run.service).colour)};
     for (const std::size_t column : {run.first, run.last}) {
       line.points.push_back(axes.at(plan.columns[column].chainage, axes.least));
       line.points.back().paper.y() -= 0.002;
@@ -235,20 +213,19 @@ Service service_of(const DrivePlan& plan, const PlanColumn& column) {
   return column.read.any() > 0 ? Service::some_poses : Service::none;
 }
 
-Colour colour_of(Service service) {
-  switch (service) {
-    case Service::both_walls:
-      return colours::kGreen;
-    case Service::confirmed:
-      return {0.45, 0.70, 0.20};
-    case Service::one_tag:
-      return {0.80, 0.80, 0.25};
-    case Service::some_poses:
-      return colours::kOrange;
-    case Service::none:
-      break;
+std::vector<ServiceRun> service_runs(const DrivePlan& plan, double from, double to) {
+  std::vector<ServiceRun> all;
+  for (std::size_t i = 0; i < plan.columns.size(); ++i) {
+    const PlanColumn& column = plan.columns[i];
+    if (column.chainage < from || column.chainage > to) continue;
+    const Service service = service_of(plan, column);
+    if (all.empty() || all.back().service != service) {
+      if (!all.empty()) all.back().last = i;
+      all.push_back({i, i, service});
+    }
+    all.back().last = i;
   }
-  return colours::kRed;
+  return all;
 }
 
 std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, const Rig& rig,
@@ -295,13 +272,11 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
   DrawingView legend;
   legend.title = "Position along the center line";
   legend.new_row = true;
-  draw_legend(legend.sketch.layer("legend"),
-              {{line_of(Service::both_walls), "both walls, every pose"},
-               {line_of(Service::confirmed), "two tags, one whole"},
-               {line_of(Service::one_tag), "a tag, every pose"},
-               {line_of(Service::some_poses), "some poses have none"},
-               {line_of(Service::none), "no tag"}},
-              0, room);
+  std::vector<LegendEntry> entries;
+  for (const ServiceStyle& style : kServiceStyles) {
+    entries.push_back({line_in(style.colour), style.words});
+  }
+  draw_legend(legend.sketch.layer("legend"), entries, 0, room);
   views.push_back(std::move(legend));
   views.push_back(profile_view(plan, room));
   const TitleBlock block{

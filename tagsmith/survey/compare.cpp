@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/compare.hpp"
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -45,17 +46,9 @@ std::optional<TagDifference> compare(const PlacedTag& before, const PlacedTag& a
 }  // namespace
 
 std::string to_string(TagChange change) {
-  switch (change) {
-    case TagChange::print:
-      return "print";
-    case TagChange::reprint:
-      return "reprint";
-    case TagChange::move:
-      return "move";
-    case TagChange::remove:
-      break;
-  }
-  return "remove";
+  constexpr std::array kNames{"print", "reprint", "move", "remove"};
+  static_assert(kNames.size() == static_cast<std::size_t>(TagChange::remove) + 1);
+  return kNames[static_cast<std::size_t>(change)];
 }
 
 std::string describe_template_change(const TagTemplate& before, const TagTemplate& after) {

@@ -25,14 +25,24 @@ constexpr const char* kCodes = "TL, TR, WL, WR, CL, FL, RF or the name of a tag,
 // What numbers may be before their unit is known; check_reach says the rest.
 constexpr double kFarthestInMillimetres = 1000 * kFarthest;
 
+struct PointKindWords {
+  std::string_view code;
+  const char* name;
+};
+
+// In the order of PointKind.
+constexpr std::array kPointKinds{
+    PointKindWords{"TL", "left tag"},    PointKindWords{"TR", "right tag"},
+    PointKindWords{"WL", "left wall"},   PointKindWords{"WR", "right wall"},
+    PointKindWords{"CL", "center line"}, PointKindWords{"FL", "floor"},
+    PointKindWords{"RF", "roof"},
+};
+static_assert(kPointKinds.size() == static_cast<std::size_t>(PointKind::roof) + 1);
+
 std::optional<PointKind> kind_of(const std::string& code) {
-  static const std::map<std::string, PointKind> kinds{
-      {"TL", PointKind::left_tag},   {"TR", PointKind::right_tag},  {"WL", PointKind::left_wall},
-      {"WR", PointKind::right_wall}, {"CL", PointKind::centerline}, {"FL", PointKind::floor},
-      {"RF", PointKind::roof}};
-  const auto found = kinds.find(code);
-  if (found == kinds.end()) return std::nullopt;
-  return found->second;
+  const auto found = std::ranges::find(kPointKinds, code, &PointKindWords::code);
+  if (found == kPointKinds.end()) return std::nullopt;
+  return static_cast<PointKind>(found - kPointKinds.begin());
 }
 
 PointKind kind_of(Side side) {
@@ -406,24 +416,7 @@ void read_other(PointFormat format, std::string_view text, const PointListOption
 
 }  // namespace
 
-std::string to_string(PointKind kind) {
-  switch (kind) {
-    case PointKind::left_tag:
-      return "left tag";
-    case PointKind::right_tag:
-      return "right tag";
-    case PointKind::left_wall:
-      return "left wall";
-    case PointKind::right_wall:
-      return "right wall";
-    case PointKind::centerline:
-      return "center line";
-    case PointKind::floor:
-      return "floor";
-    default:
-      return "roof";
-  }
-}
+std::string to_string(PointKind kind) { return kPointKinds[static_cast<std::size_t>(kind)].name; }
 
 std::vector<std::string> own_columns() {
   return split(
