@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -14,6 +13,7 @@
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/render/board_page.hpp"
 #include "tagsmith/render/page_sheet.hpp"
 #include "tagsmith/render/png.hpp"
@@ -115,7 +115,7 @@ Result<void> check_files(const BoardOptions& options) {
 }
 
 std::string board_json(const Board& board, const BoardOptions& options) {
-  const auto metres = [](double value) { return std::round(value * 1e9) / 1e9; };
+  const auto metres = [](double value) { return with_decimals(value, 9); };
   const auto [right, down] = drawn_distances(board.width, board.height);
   const nlohmann::ordered_json json{{"sheet", options.output},
                                     {"board", board_file_of(options).string()},
@@ -130,7 +130,7 @@ std::string board_json(const Board& board, const BoardOptions& options) {
                                     {"dots_per_inch", board.tag.dots_per_inch},
                                     {"a_b", metres(right)},
                                     {"a_c", metres(down)}};
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return json_text(json);
 }
 
 void report(const Board& board, const BoardOptions& options) {

@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Micrometres are finer than anything surveyed or printed; more digits would be rounding noise.
-double to_micrometre(double metres) { return std::round(metres * 1e6) / 1e6; }
+double to_micrometre(double metres) { return with_decimals(metres, 6); }
 double mm(double metres) { return std::round(metres * 1e9) / 1e6; }
 
 Json rounded_point(const Eigen::Vector3d& point) {
@@ -67,7 +67,7 @@ Json proofs_json(const std::vector<TagProof>& proofs) {
 }
 
 Json roll_json(const RollUse& roll) {
-  return {{"length_m", std::round(roll.length * 1e3) / 1e3},
+  return {{"length_m", with_decimals(roll.length, 3)},
           {"waste_percent", std::round(roll.waste() * 1e3) / 10}};
 }
 

@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Micrometres are finer than anything surveyed; more digits would be rounding noise.
-double micrometre(double metres) { return std::round(metres * 1e6) / 1e6 + 0.0; }
+double micrometre(double metres) { return with_decimals(metres, 6) + 0.0; }
 
 Json point_json(const Eigen::Vector3d& p) {
   return {micrometre(p.x()), micrometre(p.y()), micrometre(p.z())};
@@ -35,7 +35,7 @@ Json point_json(const Eigen::Vector3d& p) {
 double facing_heading(const Survey& survey, const PlacedTag& tag) {
   const double heading = grid_heading_from_world(survey.grid, facing_of(tag.world_from_plate));
   const double turned = std::fmod(degrees(heading) + 360.0, 360.0);
-  return std::round(turned * 1e6) / 1e6;
+  return with_decimals(turned, 6);
 }
 
 Json tag_json(const Survey& survey, const PlacedTag& tag) {
