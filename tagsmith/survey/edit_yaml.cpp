@@ -28,11 +28,6 @@ std::string replaced(std::string_view text, std::vector<Replacement> all) {
   return edited;
 }
 
-const YamlKey* key_at(const YamlNode& map, std::string_view key) {
-  const auto found = std::ranges::find(map.keys, key, &YamlKey::text);
-  return found == map.keys.end() ? nullptr : &*found;
-}
-
 // Where in the text the word stands that a node or key at this place was read from; columns may
 // count characters instead of bytes, so that it is looked for from there on in its line.
 std::optional<std::size_t> offset_of(std::string_view text, const Place& place,
@@ -70,13 +65,13 @@ Result<std::vector<Replacement>> replacements(std::string_view text, const YamlN
     return fail("no map to put `" + edit.key + "` in");
   }
   for (const std::string& key : {edit.key, edit.instead_of}) {
-    const YamlNode* value = key.empty() ? nullptr : value_at(*map, key);
-    if (value == nullptr) continue;
-    const auto replaced = scalar_replaced(text, *value, edit);
+    const auto index = key.empty() ? std::nullopt : index_of_key(*map, key);
+    if (!index) continue;
+    const auto replaced = scalar_replaced(text, map->items[*index], edit);
     if (!replaced) return fail(replaced.error().message);
     std::vector<Replacement> all{*replaced};
     if (key == edit.key) return all;
-    const auto key_offset = offset_of(text, key_at(*map, key)->place, key);
+    const auto key_offset = offset_of(text, map->keys[*index].place, key);
     if (!key_offset) return fail("the key `" + key + "` cannot be changed");
     all.push_back({*key_offset, key.size(), edit.key});
     return all;
@@ -111,12 +106,12 @@ bool are_equal(const YamlNode& a, const YamlNode& b) {
 // The tree without the key of the map that the path leads to, from its step `depth` on.
 void remove_from_tree(YamlNode& map, const std::vector<std::string>& path, std::size_t depth,
                       const std::string& key) {
-  const std::string& wanted = depth < path.size() ? path[depth] : key;
-  const auto place = std::ranges::find(map.keys, wanted, &YamlKey::text) - map.keys.begin();
+  const auto index = *index_of_key(map, depth < path.size() ? path[depth] : key);
   if (depth < path.size()) {
-    remove_from_tree(map.items[static_cast<std::size_t>(place)], path, depth + 1, key);
+    remove_from_tree(map.items[index], path, depth + 1, key);
     return;
   }
+  const auto place = static_cast<std::ptrdiff_t>(index);
   map.keys.erase(map.keys.begin() + place);
   map.items.erase(map.items.begin() + place);
 }
@@ -145,15 +140,6 @@ std::size_t end_of_block_entry(std::string_view text, std::size_t key, const Yam
     end = next_line(text, at);
   }
   return end;
-}
-
-// The end of the quoted text that begins here, its closing quote included.
-std::size_t end_of_quotes(std::string_view text, std::size_t at) {
-  const char quote = text[at];
-  for (++at; at < text.size() && text[at] != quote; ++at) {
-    if (quote == '"' && text[at] == '\\') ++at;
-  }
-  return std::min(at + 1, text.size());
 }
 
 // The bracket that closes the flow map in which this place is.
@@ -191,10 +177,9 @@ Replacement flow_entry(std::string_view text, std::size_t key,
   return {begin, end - begin, ""};
 }
 
-std::optional<Replacement> entry_of(std::string_view text, const YamlNode& map,
-                                    const std::string& key) {
-  const auto place = static_cast<std::size_t>(key_at(map, key) - map.keys.data());
-  const auto offset = offset_of(text, map.keys[place].place, key);
+// The entry of the map's key at `place` among its keys.
+std::optional<Replacement> entry_at(std::string_view text, const YamlNode& map, std::size_t place) {
+  const auto offset = offset_of(text, map.keys[place].place, map.keys[place].text);
   if (!offset) return std::nullopt;
   if (map.flow) {
     if (place + 1 == map.keys.size()) return flow_entry(text, *offset, std::nullopt);
@@ -215,8 +200,9 @@ Result<std::string> key_removed(std::string_view text, const std::vector<std::st
   if (!root) return fail(to_string(log.sorted(), true));
   const YamlNode* map = map_at(*root, path);
   if (map == nullptr) return fail("no map to remove `" + key + "` from");
-  if (key_at(*map, key) == nullptr) return std::string(text);
-  const std::optional<Replacement> cut = entry_of(text, *map, key);
+  const std::optional<std::size_t> index = index_of_key(*map, key);
+  if (!index) return std::string(text);
+  const std::optional<Replacement> cut = entry_at(text, *map, *index);
   std::string edited(text);
   if (cut) edited.erase(cut->begin, cut->length);
   // What is left must be what was there less the key: the cut rests on the text, not on the tree.

@@ -23,16 +23,12 @@ constexpr std::array kFileKinds{
              "templates are named in surveys, at tags.template; `validate --template` checks them"},
 };
 
-bool has_key(const YamlNode& map, std::string_view key) {
-  return std::ranges::find(map.keys, key, &YamlKey::text) != map.keys.end();
-}
-
 }  // namespace
 
 bool is_other_kind(const YamlNode& root, std::string_view key, FindingLog& log) {
-  if (root.kind != YamlNode::Kind::map || has_key(root, key)) return false;
+  if (root.kind != YamlNode::Kind::map || index_of_key(root, key)) return false;
   const auto other = std::ranges::find_if(
-      kFileKinds, [&](const FileKind& kind) { return has_key(root, kind.key); });
+      kFileKinds, [&](const FileKind& kind) { return index_of_key(root, kind.key).has_value(); });
   if (other == kFileKinds.end()) return false;
   const auto wanted = std::ranges::find(kFileKinds, key, &FileKind::key);
   log.error(root.place, "wrong-kind",

@@ -180,15 +180,6 @@ class TreeBuilder final : public YAML::EventHandler {
   int documents_ = 0;
 };
 
-// Where the quoted text that begins at `quote` ends: at its closing quote, or at the end.
-std::size_t end_of_quoted(std::string_view text, std::size_t quote) {
-  std::size_t i = quote + 1;
-  while (i < text.size() && text[i] != text[quote]) {
-    i += text[quote] == '"' && text[i] == '\\' ? 2 : 1;
-  }
-  return std::min(i, text.size());
-}
-
 // Follows brackets and braces, skipping quoted text and comments; true when they nest no deeper and
 // run no longer than the parser bears. Where a quote begins is judged by the character before it.
 bool check_flow(std::string_view text, FindingLog& log) {
@@ -203,9 +194,9 @@ bool check_flow(std::string_view text, FindingLog& log) {
       i = std::min(text.find('\n', i), text.size()) - 1;
     } else if ((c == '"' || c == '\'') &&
                std::string_view("\n[{,:-?").find(before) != std::string_view::npos) {
-      const std::size_t end = end_of_quoted(text, i);
+      const std::size_t end = end_of_quotes(text, i);
       line += static_cast<int>(std::ranges::count(text.substr(i, end - i), '\n'));
-      i = end;
+      i = end - 1;
     } else if (c == '[' || c == '{') {
       if (depth++ == 0) start = i;
     } else if (c == ']' || c == '}') {
@@ -229,11 +220,23 @@ bool check_flow(std::string_view text, FindingLog& log) {
 
 }  // namespace
 
+std::optional<std::size_t> index_of_key(const YamlNode& map, std::string_view key) {
+  const auto found = std::ranges::find(map.keys, key, &YamlKey::text);
+  if (found == map.keys.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - map.keys.begin());
+}
+
 const YamlNode* value_at(const YamlNode& map, std::string_view key) {
-  for (std::size_t i = 0; i < map.keys.size(); ++i) {
-    if (map.keys[i].text == key) return &map.items[i];
+  const std::optional<std::size_t> index = index_of_key(map, key);
+  return index ? &map.items[*index] : nullptr;
+}
+
+std::size_t end_of_quotes(std::string_view text, std::size_t quote) {
+  std::size_t i = quote + 1;
+  while (i < text.size() && text[i] != text[quote]) {
+    i += text[quote] == '"' && text[i] == '\\' ? 2 : 1;
   }
-  return nullptr;
+  return std::min(i + 1, text.size());
 }
 
 namespace {

@@ -2,6 +2,7 @@
 // YAML text as a tree that knows its places. Internal to tagsmith/survey: yaml-cpp shows nowhere.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,8 +37,14 @@ struct YamlNode {
 std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
                                    std::string_view known_tag = {});
 
+// The place of a key among those of a map; nothing where it has no such key.
+std::optional<std::size_t> index_of_key(const YamlNode& map, std::string_view key);
+
 // The value of a map's key; null where it has no such key.
 const YamlNode* value_at(const YamlNode& map, std::string_view key);
+
+// One beyond the closing quote of the quoted text that begins here; without one the text's end.
+std::size_t end_of_quotes(std::string_view text, std::size_t quote);
 
 // Logs the first byte that is no UTF-8 text; true when there is none.
 bool check_utf8(std::string_view text, FindingLog& log);

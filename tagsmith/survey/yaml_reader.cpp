@@ -335,10 +335,7 @@ MapReader::MapReader(const YamlNode* node, std::string name, std::vector<std::st
 }
 
 const YamlNode* MapReader::find(std::string_view key) const {
-  if (node_ == nullptr) return nullptr;
-  const auto found = std::ranges::find(node_->keys, key, &YamlKey::text);
-  if (found == node_->keys.end()) return nullptr;
-  return &node_->items[static_cast<std::size_t>(found - node_->keys.begin())];
+  return node_ != nullptr ? value_at(*node_, key) : nullptr;
 }
 
 const YamlNode* MapReader::need(std::string_view key, const std::string& hint) const {
