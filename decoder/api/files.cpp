@@ -64,14 +64,15 @@ std::vector<detail::Diagnostic> diagnostics_of(const fs::path& path) {
 }  // namespace
 
 Survey load_survey(const fs::path& path) {
-  detail::SurveyReading reading = value_of(path, detail::read_survey);
+  detail::Diagnosed<detail::Survey> reading = value_of(path, detail::read_survey);
   return Survey(
-      std::make_shared<const Survey::Data>(valid(std::move(reading.survey), reading.diagnostics)));
+      std::make_shared<const Survey::Data>(valid(std::move(reading.value), reading.diagnostics)));
 }
 
 Rig load_rig(const fs::path& path) {
-  detail::RigReading reading = value_of(path, detail::read_rig);
-  return Rig(std::make_shared<const Rig::Data>(valid(std::move(reading.rig), reading.diagnostics)));
+  detail::Diagnosed<detail::Rig> reading = value_of(path, detail::read_rig);
+  return Rig(
+      std::make_shared<const Rig::Data>(valid(std::move(reading.value), reading.diagnostics)));
 }
 
 Image load_image(const fs::path& path) {

@@ -173,8 +173,8 @@ Result<std::string> as_built_text(const AdjustOptions& options, const std::strin
   Result<std::string> changed = survey_with_places(text, survey, places);
   if (!changed) return fail(options.survey + ": " + changed.error().message);
   const std::string& name = options.output.empty() ? options.survey : options.output;
-  const SurveyReading reading = read_survey_text(name, *changed);
-  if (reading.survey) return changed;
+  const Diagnosed<Survey> reading = read_survey_text(name, *changed);
+  if (reading.value) return changed;
   return fail(options.survey +
               ": the places cannot be written into it: " + to_string(reading.diagnostics, true));
 }

@@ -237,8 +237,8 @@ Result<std::string> rig_text(const BoardCalibrationOptions& options, const Board
   staged.file = waiting->staged(target.filename()).string();
   const auto trial = rig_with_calibration(*text, options.camera, staged);
   if (!trial) return fail(options.rig + ": " + trial.error().message);
-  const RigReading reading = read_rig_text(options.rig, *trial);
-  if (!reading.rig) {
+  const Diagnosed<Rig> reading = read_rig_text(options.rig, *trial);
+  if (!reading.value) {
     return fail("the rig cannot take this camera, and nothing was written:\n" +
                 to_string(reading.diagnostics, true));
   }

@@ -171,8 +171,8 @@ Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFi
     if (!changed) return fail(options.rig.string() + ": " + changed.error().message);
     text = std::move(changed);
   }
-  const RigReading reading = read_rig_text(options.output, *text);
-  if (!reading.rig) {
+  const Diagnosed<Rig> reading = read_rig_text(options.output, *text);
+  if (!reading.value) {
     return fail(options.rig.string() + ": the mounting cannot be written into it: " +
                 to_string(reading.diagnostics, true));
   }

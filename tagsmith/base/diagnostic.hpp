@@ -29,6 +29,14 @@ struct Diagnostic {
   std::optional<TextEdit> fix = {};  // what a program may do about it without asking back
 };
 
+// A value that a file says, with all findings about the file. `value` is there exactly when no
+// finding is an error.
+template <class T>
+struct Diagnosed {
+  std::optional<T> value;
+  std::vector<Diagnostic> diagnostics;
+};
+
 std::string to_string(Severity severity);
 
 // `file:line:column: error: message [code]`, and the hint on an indented line of its own.

@@ -100,8 +100,8 @@ Result<std::string> render(const Page& page, const BoardOptions& options) {
 Result<bool> needs_board_file(const fs::path& file, const std::string& text) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return true;
-  const Result<BoardReading> there = read_board(file);
-  if (there && there->board && board_file_text(*there->board) == text) return false;
+  const Result<Diagnosed<Board>> there = read_board(file);
+  if (there && there->value && board_file_text(*there->value) == text) return false;
   return fail(file.string() +
               ": is there already and is no file of this board; it may say what was measured of "
               "another one: give --output another name, or remove it");

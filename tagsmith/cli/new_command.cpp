@@ -147,11 +147,11 @@ Result<void> check_layout(const NewOptions& options, const PointList& list) {
 
 // What is wrong with single points is said before a fit that would only suffer from it.
 Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>& warnings) {
-  Result<PointListReading> reading = read_point_list(options.points, options.list);
+  Result<Diagnosed<PointList>> reading = read_point_list(options.points, options.list);
   if (!reading) return tl::unexpected(reading.error());
-  if (!reading->list) return fail(to_string(reading->diagnostics, true));
+  if (!reading->value) return fail(to_string(reading->diagnostics, true));
   warnings = reading->diagnostics;
-  PointList& list = *reading->list;
+  PointList& list = *reading->value;
   FindingLog log(options.points);
   if (const auto doubt = doubt_of_unit(list.points); doubt && !list.unit_is_known) {
     return fail(options.points + ": " + *doubt);
@@ -348,7 +348,7 @@ void report_resolution(const SurveyDraft& draft) {
 Result<int> report_draft(const NewOptions& options, const std::string& name,
                          FindingPrinter& printer) {
   const std::string file = (fs::path(options.name) / name).string();
-  const Result<SurveyReading> reading = read_survey(file);
+  const Result<Diagnosed<Survey>> reading = read_survey(file);
   if (!reading) return tl::unexpected(reading.error());
   for (const Diagnostic& finding : reading->diagnostics) {
     to_stderr("{}", Lines{printer.text_of(finding)});
@@ -364,7 +364,7 @@ Result<int> report_draft(const NewOptions& options, const std::string& name,
 
 // A layout that nobody hung yet is proposed whole or not at all.
 Result<void> check_proposal(const NewOptions& options, const std::string& text) {
-  const SurveyReading reading = read_survey_text(fs::path(options.name) / "survey.yaml", text);
+  const Diagnosed<Survey> reading = read_survey_text(fs::path(options.name) / "survey.yaml", text);
   std::string faults;
   for (const Diagnostic& finding : reading.diagnostics) {
     if (finding.severity != Severity::error) continue;

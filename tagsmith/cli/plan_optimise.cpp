@@ -127,12 +127,12 @@ Result<void> write_survey(const Survey& survey, const Layout& layout, const Temp
   }
   auto text = edited_file(survey.file, survey_edits(survey, layout, template_name));
   if (!text) return fail(text.error().message);
-  SurveyReading reading = read_survey_text(survey.file, *text);
-  if (!reading.survey) {
+  Diagnosed<Survey> reading = read_survey_text(survey.file, *text);
+  if (!reading.value) {
     return fail("the chosen layout makes no valid survey:\n" +
                 to_string(reading.diagnostics, true));
   }
-  drive.survey = std::move(*reading.survey);
+  drive.survey = std::move(*reading.value);
   drive.files.push_back({survey.file.filename().string(), std::move(*text)});
   return {};
 }
@@ -142,11 +142,11 @@ Result<void> write_rig(const Rig& rig, const Layout& layout, OptimisedDrive& dri
   if (!layout.alpha) return {};
   auto text = edited_file(rig.file, rig_edits(rig, *layout.alpha));
   if (!text) return fail(text.error().message);
-  RigReading reading = read_rig_text(rig.file, *text);
-  if (!reading.rig) {
+  Diagnosed<Rig> reading = read_rig_text(rig.file, *text);
+  if (!reading.value) {
     return fail("the chosen alpha makes no valid rig:\n" + to_string(reading.diagnostics, true));
   }
-  drive.rig = std::move(*reading.rig);
+  drive.rig = std::move(*reading.value);
   drive.files.push_back({rig.file.filename().string(), std::move(*text)});
   return {};
 }

@@ -125,16 +125,16 @@ Findings validate(const ValidateOptions& options) {
   std::vector<Survey> surveys;
   std::vector<Rig> rigs;
   for (const std::string& path : options.surveys) {
-    Result<SurveyReading> reading = read_survey(path);
-    if (collect(reading, findings) && reading->survey) {
-      surveys.push_back(std::move(*reading->survey));
+    Result<Diagnosed<Survey>> reading = read_survey(path);
+    if (collect(reading, findings) && reading->value) {
+      surveys.push_back(std::move(*reading->value));
     }
   }
   const std::vector<Diagnostic> together = check_together(surveys);
   findings.diagnostics.insert(findings.diagnostics.end(), together.begin(), together.end());
   for (const std::string& path : options.rigs) {
-    Result<RigReading> reading = read_rig(path);
-    if (collect(reading, findings) && reading->rig) rigs.push_back(std::move(*reading->rig));
+    Result<Diagnosed<Rig>> reading = read_rig(path);
+    if (collect(reading, findings) && reading->value) rigs.push_back(std::move(*reading->value));
   }
   check_sight(surveys, rigs, findings);
   findings.assumed = assumptions(surveys, Rig{});

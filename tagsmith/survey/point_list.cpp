@@ -426,8 +426,8 @@ std::vector<std::string> own_columns() {
       ',');
 }
 
-Result<PointListReading> read_point_list(const std::filesystem::path& path,
-                                         const PointListOptions& options) {
+Result<Diagnosed<PointList>> read_point_list(const std::filesystem::path& path,
+                                             const PointListOptions& options) {
   const Result<std::string> text = read_file(path);
   if (!text) return tl::unexpected(text.error());
   const Result<PointFormat> format = format_of_points(*text);
@@ -455,9 +455,9 @@ Result<PointListReading> read_point_list(const std::filesystem::path& path,
   }
   check_reach(list, log);
   check_names(list.points, log);
-  PointListReading reading;
+  Diagnosed<PointList> reading;
   reading.diagnostics = log.sorted();
-  if (!log.has_errors()) reading.list = std::move(list);
+  if (!log.has_errors()) reading.value = std::move(list);
   return reading;
 }
 

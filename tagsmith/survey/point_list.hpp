@@ -82,17 +82,12 @@ struct PointListOptions {
   std::optional<double> metres_per_unit;  // as the user says; else the file does, or it is 1
 };
 
-struct PointListReading {
-  std::optional<PointList> list;  // there exactly when no finding is an error
-  std::vector<Diagnostic> diagnostics;
-};
-
 // A table with commas, semicolons or tabs, whichever gives enough columns, LandXML, Leica GSI, RW5
 // or ASCII DXF, told apart by content. With semicolons and tabs a decimal comma is one.
 // Descriptions are compared by their first word, in any case of letters. Where there is an
 // alignment, points CL of the file are floor points. Fails when the file cannot be read, is of no
 // such kind, or the order names no usable columns.
-Result<PointListReading> read_point_list(const std::filesystem::path& path,
-                                         const PointListOptions& options);
+Result<Diagnosed<PointList>> read_point_list(const std::filesystem::path& path,
+                                             const PointListOptions& options);
 
 }  // namespace tagsmith::detail

@@ -196,19 +196,16 @@ Board read_root(const YamlNode& root, FindingLog& log) {
 
 }  // namespace
 
-Result<BoardReading> read_board(const fs::path& path) {
+Result<Diagnosed<Board>> read_board(const fs::path& path) {
   return read_file(path).map([&](const std::string& text) {
-    return read_yaml_file(path, text, "board", &BoardReading::board,
-                          [&](const YamlNode& root, FindingLog& log) {
-                            Board board = read_root(root, log);
-                            board.file = path;
-                            return board;
-                          });
+    return read_yaml_file<Board>(path, text, "board", [&](const YamlNode& root, FindingLog& log) {
+      Board board = read_root(root, log);
+      board.file = path;
+      return board;
+    });
   });
 }
 
-Result<Board> load_board(const fs::path& path) {
-  return value_without_errors(read_board(path), &BoardReading::board);
-}
+Result<Board> load_board(const fs::path& path) { return value_without_errors(read_board(path)); }
 
 }  // namespace tagsmith::detail

@@ -3,19 +3,12 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <vector>
 
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/tag/board.hpp"
 
 namespace tagsmith::detail {
-
-struct BoardReading {
-  std::optional<Board> board;  // there exactly when no finding is an error
-  std::vector<Diagnostic> diagnostics;
-};
 
 // How exactly a board is taken to be measured where its file does not say: what a hand with a steel
 // rule or a tape does. Metres.
@@ -24,7 +17,7 @@ inline constexpr double kUsualMeasuringSigma = 0.0002;
 // Fails only when the file cannot be read at all. The scale is what was measured over what was
 // drawn; its sigma is the measurement's over the shorter of the two distances, or
 // kUnmeasuredScaleSigma where nothing was measured.
-Result<BoardReading> read_board(const std::filesystem::path& path);
+Result<Diagnosed<Board>> read_board(const std::filesystem::path& path);
 
 // The board of a file without errors; fails with all of its findings.
 Result<Board> load_board(const std::filesystem::path& path);

@@ -380,7 +380,7 @@ std::string plain_yaml(std::string text) {
 }  // namespace
 
 // Why: docs/decisions/0017-files-and-formats.md.
-Result<CalibrationReading> read_calibration(const CalibrationRequest& request) {
+Result<Diagnosed<Camera>> read_calibration(const CalibrationRequest& request) {
   Result<std::string> text = read_file(request.file, kLargestFile);
   if (!text) return tl::unexpected(text.error());
   FindingLog log(request.file.string());
@@ -389,9 +389,9 @@ Result<CalibrationReading> read_calibration(const CalibrationRequest& request) {
   const std::optional<YamlNode> root =
       is_xml ? parse_xml(*text, log)
              : parse_yaml(plain_yaml(std::move(*text)), log, "tag:yaml.org,2002:opencv-matrix");
-  CalibrationReading reading;
-  if (root) reading.camera = read_calibration_tree(*root, request, log);
-  if (log.has_errors()) reading.camera.reset();
+  Diagnosed<Camera> reading;
+  if (root) reading.value = read_calibration_tree(*root, request, log);
+  if (log.has_errors()) reading.value.reset();
   reading.diagnostics = log.sorted();
   return reading;
 }

@@ -19,11 +19,6 @@ struct CalibrationRequest {
   std::optional<LensModel> model;  // what four coefficients mean where the file does not say
 };
 
-struct CalibrationReading {
-  std::optional<Camera> camera;  // there exactly when no finding is an error
-  std::vector<Diagnostic> diagnostics;
-};
-
 // Reads, told apart by their contents:
 // - OpenCV's FileStorage, YAML or XML: camera_matrix, distortion_coefficients (4, 5 or 8; 12 or 14
 //   with nothing in the last ones), image_width, image_height, fisheye_model;
@@ -33,6 +28,6 @@ struct CalibrationReading {
 // - kalibr's camchain: camera_model pinhole, distortion_model radtan, equidistant or none.
 // The camera's width and height are 0 when the file does not say them. Fails only when the file
 // cannot be read at all.
-Result<CalibrationReading> read_calibration(const CalibrationRequest& request);
+Result<Diagnosed<Camera>> read_calibration(const CalibrationRequest& request);
 
 }  // namespace tagsmith::detail

@@ -140,7 +140,7 @@ std::optional<Intrinsics> read_calibration_file(const MapReader& map,
                                                 const fs::path& folder) {
   const auto request = read_request(map, folder);
   if (!request) return std::nullopt;
-  Result<CalibrationReading> reading = read_calibration(*request);
+  Result<Diagnosed<Camera>> reading = read_calibration(*request);
   if (!reading) {
     map.log().error(map.find("calibration")->place, "calibration-file",
                     map.name_of("calibration") + ": " + reading.error().message,
@@ -148,9 +148,9 @@ std::optional<Intrinsics> read_calibration_file(const MapReader& map,
     return std::nullopt;
   }
   map.log().append(reading->diagnostics);
-  if (!reading->camera || (map.has("image_size") && !size)) return std::nullopt;
-  if (!settle_size(map, size, request->file, *reading->camera)) return std::nullopt;
-  return Intrinsics{*reading->camera, request->file};
+  if (!reading->value || (map.has("image_size") && !size)) return std::nullopt;
+  if (!settle_size(map, size, request->file, *reading->value)) return std::nullopt;
+  return Intrinsics{*reading->value, request->file};
 }
 
 // --- plausibility ---

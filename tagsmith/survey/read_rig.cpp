@@ -258,18 +258,16 @@ Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
 
 }  // namespace
 
-RigReading read_rig_text(const fs::path& path, std::string_view text) {
-  return read_yaml_file(
-      path, text, "rig", &RigReading::rig,
-      [&](const YamlNode& root, FindingLog& log) { return read_rig_tree(root, path, log); });
+Diagnosed<Rig> read_rig_text(const fs::path& path, std::string_view text) {
+  return read_yaml_file<Rig>(path, text, "rig", [&](const YamlNode& root, FindingLog& log) {
+    return read_rig_tree(root, path, log);
+  });
 }
 
-Result<RigReading> read_rig(const fs::path& path) {
+Result<Diagnosed<Rig>> read_rig(const fs::path& path) {
   return read_file(path).map([&](const std::string& text) { return read_rig_text(path, text); });
 }
 
-Result<Rig> load_rig(const fs::path& path) {
-  return value_without_errors(read_rig(path), &RigReading::rig);
-}
+Result<Rig> load_rig(const fs::path& path) { return value_without_errors(read_rig(path)); }
 
 }  // namespace tagsmith::detail

@@ -41,13 +41,13 @@ std::optional<TagTemplate> read_named_template(const MapReader& tags,
               "own templates: " + own_templates());
     return std::nullopt;
   }
-  const Result<TemplateReading> reading = read_template(*path);
+  const Result<Diagnosed<TagTemplate>> reading = read_template(*path);
   if (!reading) {
     log.error(node->place, "no-template", reading.error().message);
     return std::nullopt;
   }
   log.append(reading->diagnostics);
-  return reading->tag;
+  return reading->value;
 }
 
 // The number of pairs that `pairs` or `to` says; a pitch of 0 is one that was faulty.
@@ -311,19 +311,17 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
 
 }  // namespace
 
-SurveyReading read_survey_text(const fs::path& path, std::string_view text) {
-  return read_yaml_file(
-      path, text, "survey", &SurveyReading::survey,
-      [&](const YamlNode& root, FindingLog& log) { return read_survey_tree(root, path, log); });
+Diagnosed<Survey> read_survey_text(const fs::path& path, std::string_view text) {
+  return read_yaml_file<Survey>(path, text, "survey", [&](const YamlNode& root, FindingLog& log) {
+    return read_survey_tree(root, path, log);
+  });
 }
 
-Result<SurveyReading> read_survey(const fs::path& path) {
+Result<Diagnosed<Survey>> read_survey(const fs::path& path) {
   return read_file(path).map([&](const std::string& text) { return read_survey_text(path, text); });
 }
 
-Result<Survey> load_survey(const fs::path& path) {
-  return value_without_errors(read_survey(path), &SurveyReading::survey);
-}
+Result<Survey> load_survey(const fs::path& path) { return value_without_errors(read_survey(path)); }
 
 Result<std::vector<Survey>> load_surveys(const std::vector<fs::path>& paths) {
   std::vector<Survey> surveys;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -13,18 +12,12 @@
 
 namespace tagsmith::detail {
 
-// What a survey file said. `survey` is there exactly when no finding is an error.
-struct SurveyReading {
-  std::optional<Survey> survey;
-  std::vector<Diagnostic> diagnostics;
-};
-
 // Fails only when the file cannot be read at all; whatever is wrong inside it is a diagnostic.
 // Templates are looked for beside the survey, then among the tool's own, or are a path.
-Result<SurveyReading> read_survey(const std::filesystem::path& path);
+Result<Diagnosed<Survey>> read_survey(const std::filesystem::path& path);
 
 // The same for text that is or will be the file at `path`.
-SurveyReading read_survey_text(const std::filesystem::path& path, std::string_view text);
+Diagnosed<Survey> read_survey_text(const std::filesystem::path& path, std::string_view text);
 
 // For commands that need a valid survey: the survey, or all its errors in one message.
 Result<Survey> load_survey(const std::filesystem::path& path);

@@ -96,19 +96,19 @@ std::optional<fs::path> file_if_there(const fs::path& path) {
 
 }  // namespace
 
-Result<TemplateReading> read_template(const fs::path& path) {
+Result<Diagnosed<TagTemplate>> read_template(const fs::path& path) {
   return read_file(path).map([&](const std::string& text) {
-    return read_yaml_file(path, text, "tag", &TemplateReading::tag,
-                          [&](const YamlNode& root, FindingLog& log) {
-                            std::optional<TagTemplate> tag = read_tag(root, path, log);
-                            if (tag) tag->file = path;
-                            return tag;
-                          });
+    return read_yaml_file<TagTemplate>(path, text, "tag",
+                                       [&](const YamlNode& root, FindingLog& log) {
+                                         std::optional<TagTemplate> tag = read_tag(root, path, log);
+                                         if (tag) tag->file = path;
+                                         return tag;
+                                       });
   });
 }
 
 Result<TagTemplate> load_template(const fs::path& path) {
-  return value_without_errors(read_template(path), &TemplateReading::tag);
+  return value_without_errors(read_template(path));
 }
 
 std::optional<fs::path> find_template(const std::string& name, const fs::path& survey_folder) {

@@ -13,13 +13,8 @@
 
 namespace tagsmith::detail {
 
-struct TemplateReading {
-  std::optional<TagTemplate> tag;  // there exactly when no finding is an error
-  std::vector<Diagnostic> diagnostics;
-};
-
 // Fails only when the file cannot be read at all.
-Result<TemplateReading> read_template(const std::filesystem::path& path);
+Result<Diagnosed<TagTemplate>> read_template(const std::filesystem::path& path);
 
 // The template of a file without errors; fails with all of its findings.
 Result<TagTemplate> load_template(const std::filesystem::path& path);

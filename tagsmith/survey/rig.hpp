@@ -106,16 +106,11 @@ MountingAngles mounting_angles(const Pose& vehicle_from_camera);
 // level.
 Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading);
 
-struct RigReading {
-  std::optional<Rig> rig;  // there exactly when no finding is an error
-  std::vector<Diagnostic> diagnostics;
-};
-
 // Fails only when the file cannot be read at all.
-Result<RigReading> read_rig(const std::filesystem::path& path);
+Result<Diagnosed<Rig>> read_rig(const std::filesystem::path& path);
 
 // The same for text that is or will be the file at `path`.
-RigReading read_rig_text(const std::filesystem::path& path, std::string_view text);
+Diagnosed<Rig> read_rig_text(const std::filesystem::path& path, std::string_view text);
 
 // The rig, or all its errors in one message.
 Result<Rig> load_rig(const std::filesystem::path& path);

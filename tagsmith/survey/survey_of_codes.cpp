@@ -26,10 +26,10 @@ Result<Survey> survey_of_codes(const std::string& tag_template, double width) {
       "tags: {{ template: {}, height: 1, spacing: 1, first: 1, pairs: 1 }}\n"
       "code: {{ check_digit: sum10, resolution: 0.01 }}\n",
       width, width / 2, single_quoted(file->string()));
-  SurveyReading reading = read_survey_text("without a survey", text);
-  if (!reading.survey) return fail(to_string(reading.diagnostics, true));
-  reading.survey->tags.clear();
-  return std::move(*reading.survey);
+  Diagnosed<Survey> reading = read_survey_text("without a survey", text);
+  if (!reading.value) return fail(to_string(reading.diagnostics, true));
+  reading.value->tags.clear();
+  return std::move(*reading.value);
 }
 
 std::string assumed_of_codes(double width) {

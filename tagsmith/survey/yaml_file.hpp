@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A YAML file of one kind as a whole: from its text to what it says and all findings about it.
-// Internal to tagsmith/survey. A Reading has an optional value and its diagnostics.
+// Internal to tagsmith/survey.
 #pragma once
 
 #include <filesystem>
@@ -17,26 +17,24 @@
 namespace tagsmith::detail {
 
 // Of a file whose first key is `key`: what `read_root` makes of its root, unless there is an error.
-template <class Reading, class Value, class ReadRoot>
-Reading read_yaml_file(const std::filesystem::path& path, std::string_view text,
-                       std::string_view key, std::optional<Value> Reading::*value,
-                       const ReadRoot& read_root) {
+template <class T, class ReadRoot>
+Diagnosed<T> read_yaml_file(const std::filesystem::path& path, std::string_view text,
+                            std::string_view key, const ReadRoot& read_root) {
   FindingLog log(path.string());
-  Reading reading;
+  Diagnosed<T> reading;
   const std::optional<YamlNode> root = parse_yaml(text, log);
-  if (root && !is_other_kind(*root, key, log)) reading.*value = read_root(*root, log);
-  if (log.has_errors()) (reading.*value).reset();
+  if (root && !is_other_kind(*root, key, log)) reading.value = read_root(*root, log);
+  if (log.has_errors()) reading.value.reset();
   reading.diagnostics = without_allowed(log.sorted(), text, path.string());
   return reading;
 }
 
 // The value of a file without errors; fails with all of its findings.
-template <class Reading, class Value>
-Result<Value> value_without_errors(Result<Reading> reading, std::optional<Value> Reading::*value) {
+template <class T>
+Result<T> value_without_errors(Result<Diagnosed<T>> reading) {
   if (!reading) return tl::unexpected(reading.error());
-  std::optional<Value>& whole = (*reading).*value;
-  if (!whole) return fail(to_string(reading->diagnostics, true));
-  return *std::move(whole);
+  if (!reading->value) return fail(to_string(reading->diagnostics, true));
+  return *std::move(reading->value);
 }
 
 }  // namespace tagsmith::detail

@@ -16,9 +16,9 @@ const std::string& corridor() {
 }
 
 Survey survey_of(const std::string& text) {
-  const SurveyReading reading = read_survey_text("surveys/corridor/survey.yaml", text);
-  REQUIRE_MESSAGE(reading.survey, to_string(reading.diagnostics, true));
-  return *reading.survey;
+  const Diagnosed<Survey> reading = read_survey_text("surveys/corridor/survey.yaml", text);
+  REQUIRE_MESSAGE(reading.value, to_string(reading.diagnostics, true));
+  return *reading.value;
 }
 
 AsBuiltPlace place_of(const std::string& tag, double z) {

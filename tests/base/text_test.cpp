@@ -46,6 +46,14 @@ TEST_CASE("numbers are read whole, as any country writes them in files") {
   for (const char* text : {"2147483648", "1.0", "", "7 "}) CHECK_FALSE(parse_integer(text));
 }
 
+TEST_CASE("letters change their case, words come apart, quotes are doubled within quotes") {
+  CHECK(lower_case("A4 \u00c9") == "a4 \u00c9");
+  CHECK(upper_case("tl 000l") == "TL 000L");
+  CHECK(split_words(" 1.5\t-2\r\n3 ") == std::vector<std::string>{"1.5", "-2", "3"});
+  CHECK(split_words(" \n").empty());
+  CHECK(single_quoted("a 'b' c") == "'a ''b'' c'");
+}
+
 TEST_CASE("zeros that say nothing are not written") {
   CHECK(format_number(1.5) == "1.5");
   CHECK(format_number(300, 0) == "300");

@@ -125,10 +125,10 @@ TEST_CASE("good photos make a camera within its sigmas") {
 
   const auto reading = read_calibration({run.file("cameras/left.yaml"), "", std::nullopt});
   REQUIRE(reading.has_value());
-  REQUIRE(reading->camera.has_value());
-  CHECK(reading->camera->fx == summary["camera"]["fx"]);
-  CHECK(reading->camera->width == truth.width);
-  CHECK(reading->camera->distortion[1] == summary["camera"]["distortion"][1]);
+  REQUIRE(reading->value.has_value());
+  CHECK(reading->value->fx == summary["camera"]["fx"]);
+  CHECK(reading->value->width == truth.width);
+  CHECK(reading->value->distortion[1] == summary["camera"]["distortion"][1]);
 }
 
 TEST_CASE("page and drawing say the verdict and show every photo") {

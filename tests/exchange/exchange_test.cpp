@@ -164,7 +164,7 @@ TEST_CASE("an assumed sigma is exported as none, and drawn as assumed") {
   PointListOptions own;
   own.order = "own";
   const auto points = read_point_list(csv, own).value();
-  for (const SurveyedPoint& point : points.list.value().points) {
+  for (const SurveyedPoint& point : points.value.value().points) {
     CHECK_FALSE(point.sigma.has_value());
   }
   const auto drawn = [&](const fs::path& of) {

@@ -119,9 +119,9 @@ TEST_CASE("grid.crs is a grid in metres, to the east and north") {
         Case{"{ crs: EPSG:4326 }", false}, Case{"{ crs: UTM32 }", false},
         Case{"{ crs: \"EPSG:12x\" }", false}, Case{"{ crs: EPSG:25832, x_axis: left }", false}}) {
     CAPTURE(std::string(grid));
-    const SurveyReading reading =
+    const Diagnosed<Survey> reading =
         read_survey_text("survey.yaml", "grid: " + std::string(grid) + "\n" + without_crs());
-    CHECK(reading.survey.has_value() == good);
+    CHECK(reading.value.has_value() == good);
     const bool named = std::ranges::any_of(
         reading.diagnostics, [](const Diagnostic& finding) { return finding.code == "bad-crs"; });
     CHECK(named == !good);

@@ -7,11 +7,11 @@
 using namespace tagsmith::detail;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const SurveyReading reading =
+  const Diagnosed<Survey> reading =
       read_survey_text("surveys/corridor/fuzz.yaml", fuzz::as_text(data, size));
-  if (!reading.survey) return 0;
-  tags_csv(*reading.survey);
-  tags_json(*reading.survey);
-  check_together({*reading.survey, *reading.survey});
+  if (!reading.value) return 0;
+  tags_csv(*reading.value);
+  tags_json(*reading.value);
+  check_together({*reading.value, *reading.value});
   return 0;
 }

@@ -179,7 +179,7 @@ TEST_CASE("exact corners and range give back the position, straight and curved, 
 }
 
 TEST_CASE("the paper's W_T is the width at the pair") {
-  const SurveyReading reading = read_survey_text("w.yaml", R"(survey: w
+  const Diagnosed<Survey> reading = read_survey_text("w.yaml", R"(survey: w
 tunnel:
   height: 3
   sections: [ { at: 0, width: 1.9 }, { at: 4.5, width: 1.9 }, { at: 4.5, width: 2.6 } ]
@@ -187,8 +187,8 @@ tunnel:
 tags: { template: tag-400x300, height: 0.4, spacing: 0.4, first: 0, pairs: 12 }
 code: { check_digit: sum10 }
 )");
-  REQUIRE_MESSAGE(reading.survey.has_value(), to_string(reading.diagnostics));
-  const Survey& survey = *reading.survey;
+  REQUIRE_MESSAGE(reading.value.has_value(), to_string(reading.diagnostics));
+  const Survey& survey = *reading.value;
   const Rig rig = rig_named("corridor");
   for (const int pair : {1, 4, 8, 11}) {
     CAPTURE(pair);

@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 namespace {
 
 TagTemplate template_in(const fs::path& path) {
-  const Result<TemplateReading> reading = read_template(path);
+  const Result<Diagnosed<TagTemplate>> reading = read_template(path);
   REQUIRE(reading);
-  REQUIRE(reading->tag);
-  return *reading->tag;
+  REQUIRE(reading->value);
+  return *reading->value;
 }
 
 // Fonts differ from machine to machine; what is said does not.

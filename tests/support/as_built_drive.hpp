@@ -48,9 +48,9 @@ inline Survey long_survey(const AsBuiltDriveOptions& options) {
       " sigma: {}, angle_sigma: {} }}\n"
       "code: {{ check_digit: sum10, resolution: 0.01, digits: [3, 6, 2], origin: [0, 0, 0] }}\n",
       0.8 * options.pairs + 3, options.pairs, options.control_sigma, degrees(options.turned));
-  const SurveyReading reading = read_survey_text("surveys/corridor/drive.yaml", text);
-  if (!reading.survey) throw std::runtime_error(to_string(reading.diagnostics, true));
-  return *reading.survey;
+  const Diagnosed<Survey> reading = read_survey_text("surveys/corridor/drive.yaml", text);
+  if (!reading.value) throw std::runtime_error(to_string(reading.diagnostics, true));
+  return *reading.value;
 }
 
 // The corridor's rig, with wider lenses that are calibrated with some care.

@@ -21,16 +21,16 @@ using doctest::Approx;
 namespace {
 
 // A rig whose one camera has these intrinsics and, with `sigma`, that key.
-RigReading rig_reading(const std::string& intrinsics, const std::string& sigma) {
+Diagnosed<Rig> rig_reading(const std::string& intrinsics, const std::string& sigma) {
   return read_rig_text("rig.yaml", "rig: trial\ncameras:\n  eye: { " + intrinsics + ", yaw: 5" +
                                        (sigma.empty() ? "" : ", sigma: " + sigma) +
                                        " }\nvehicle: { height: 1 }\n");
 }
 
 RigCamera camera_of(const std::string& intrinsics, const std::string& sigma = "") {
-  const RigReading reading = rig_reading(intrinsics, sigma);
-  REQUIRE_MESSAGE(reading.rig.has_value(), to_string(reading.diagnostics));
-  return reading.rig->cameras.front();
+  const Diagnosed<Rig> reading = rig_reading(intrinsics, sigma);
+  REQUIRE_MESSAGE(reading.value.has_value(), to_string(reading.diagnostics));
+  return reading.value->cameras.front();
 }
 
 const std::string kDataSheet =
@@ -137,8 +137,8 @@ TEST_CASE("of a camera's sigma what is left out is as usual, and zero is exact")
   }
   for (const char* wrong : {"0.5", "exact", "\"0\""}) {
     CAPTURE(wrong);
-    const RigReading reading = rig_reading(kDataSheet, wrong);
-    CHECK_FALSE(reading.rig.has_value());
+    const Diagnosed<Rig> reading = rig_reading(kDataSheet, wrong);
+    CHECK_FALSE(reading.value.has_value());
     CHECK(count_findings(reading.diagnostics, "wrong-type", 3) == 1);
   }
 }

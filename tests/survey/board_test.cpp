@@ -26,7 +26,7 @@ const std::string kRightBoard =
     "drawn: { a_b_mm: 281, a_c_mm: 194 }\n"
     "measured: { a_b_mm: 280.4, a_c_mm: 194.1, sigma_mm: 0.1 }\n";
 
-BoardReading read_text_as_board(const std::string& text) {
+Diagnosed<Board> read_text_as_board(const std::string& text) {
   const TemporaryFolder folder;
   const auto reading = read_board(write_text(folder.path() / "b.yaml", text));
   REQUIRE(reading.has_value());
@@ -71,10 +71,10 @@ const Breakage kBoardErrors[] = {
 }  // namespace
 
 TEST_CASE("the board that the others break is right, and has its measured scale") {
-  const BoardReading reading = read_text_as_board(kRightBoard);
+  const Diagnosed<Board> reading = read_text_as_board(kRightBoard);
   CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
-  REQUIRE(reading.board);
-  const Board& board = *reading.board;
+  REQUIRE(reading.value);
+  const Board& board = *reading.value;
   CHECK(board.name == "desk");
   CHECK(board.serial == 12);
   CHECK(board.tags.size() == 20);
@@ -87,8 +87,9 @@ TEST_CASE("the board that the others break is right, and has its measured scale"
 TEST_CASE("every way to break a board is reported by its rule and line") {
   for (const Breakage& broken : kBoardErrors) {
     CAPTURE(broken.name);
-    const BoardReading reading = read_text_as_board(replaced(kRightBoard, broken.from, broken.to));
-    CHECK_FALSE(reading.board.has_value());
+    const Diagnosed<Board> reading =
+        read_text_as_board(replaced(kRightBoard, broken.from, broken.to));
+    CHECK_FALSE(reading.value.has_value());
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
   }
@@ -99,18 +100,18 @@ TEST_CASE("one column or one row of tags may have any step that way") {
   const auto reading = [&](const std::string& other) {
     return read_text_as_board(replaced(kRightBoard, grid, other));
   };
-  const BoardReading column =
+  const Diagnosed<Board> column =
       reading("columns: 1, rows: 5, first: [0.017, 0.019], step: [0.001, 0.036]");
-  REQUIRE_MESSAGE(column.board, to_string(column.diagnostics));
-  CHECK(column.board->tags.size() == 5);
-  const BoardReading row =
+  REQUIRE_MESSAGE(column.value, to_string(column.diagnostics));
+  CHECK(column.value->tags.size() == 5);
+  const Diagnosed<Board> row =
       reading("columns: 4, rows: 1, first: [0.017, 0.019], step: [0.071, 0.001]");
-  REQUIRE_MESSAGE(row.board, to_string(row.diagnostics));
-  CHECK(row.board->tags.size() == 4);
+  REQUIRE_MESSAGE(row.value, to_string(row.diagnostics));
+  CHECK(row.value->tags.size() == 4);
 }
 
 TEST_CASE("a scale that no print has comes with its remedy") {
-  const BoardReading reading =
+  const Diagnosed<Board> reading =
       read_text_as_board(replaced(kRightBoard, "280.4, a_c_mm: 194.1", "267.0, a_c_mm: 184.3"));
   REQUIRE(reading.diagnostics.size() == 1);
   CHECK(reading.diagnostics[0].message ==
@@ -120,13 +121,13 @@ TEST_CASE("a scale that no print has comes with its remedy") {
 
 TEST_CASE("a board that nobody measured is as drawn, less surely") {
   const std::size_t measured = kRightBoard.find("measured");
-  const BoardReading reading = read_text_as_board(kRightBoard.substr(0, measured));
-  REQUIRE(reading.board);
-  CHECK(reading.board->scale == std::array{1.0, 1.0});
-  CHECK(reading.board->scale_sigma == kUnmeasuredScaleSigma);
-  const BoardReading unsaid = read_text_as_board(replaced(kRightBoard, ", sigma_mm: 0.1", ""));
-  REQUIRE(unsaid.board);
-  CHECK(unsaid.board->scale_sigma == Approx(0.2 / 194));
+  const Diagnosed<Board> reading = read_text_as_board(kRightBoard.substr(0, measured));
+  REQUIRE(reading.value);
+  CHECK(reading.value->scale == std::array{1.0, 1.0});
+  CHECK(reading.value->scale_sigma == kUnmeasuredScaleSigma);
+  const Diagnosed<Board> unsaid = read_text_as_board(replaced(kRightBoard, ", sigma_mm: 0.1", ""));
+  REQUIRE(unsaid.value);
+  CHECK(unsaid.value->scale_sigma == Approx(0.2 / 194));
 }
 
 TEST_CASE("what is written of a board reads back as the board, and measures by removing a #") {
@@ -139,24 +140,25 @@ TEST_CASE("what is written of a board reads back as the board, and measures by r
       const Result<Board> board = make_board(request);
       REQUIRE(board);
       const std::string text = board_file_text(*board);
-      const BoardReading reading = read_text_as_board(text);
+      const Diagnosed<Board> reading = read_text_as_board(text);
       REQUIRE_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics) << text);
-      REQUIRE(reading.board->tags.size() == board->tags.size());
+      REQUIRE(reading.value->tags.size() == board->tags.size());
       for (std::size_t i = 0; i < board->tags.size(); ++i) {
-        CHECK(reading.board->tags[i].digits == board->tags[i].digits);
+        CHECK(reading.value->tags[i].digits == board->tags[i].digits);
         const auto expected = corners_of(*board, board->tags[i]);
-        const auto found = corners_of(*reading.board, reading.board->tags[i]);
+        const auto found = corners_of(*reading.value, reading.value->tags[i]);
         for (std::size_t corner = 0; corner < 4; ++corner) {
           CHECK(found[corner].x == Approx(expected[corner].x).epsilon(1e-7));
           CHECK(found[corner].y == Approx(expected[corner].y).epsilon(1e-7));
         }
       }
-      CHECK(module_width(reading.board->tag) == Approx(module_width(board->tag)).epsilon(1e-6));
-      CHECK(reading.board->tag.plate_length == Approx(board->tag.plate_length));
-      const BoardReading measured = read_text_as_board(replaced(text, "# measured:", "measured:"));
-      REQUIRE_MESSAGE(measured.board, to_string(measured.diagnostics));
-      CHECK(measured.board->scale == std::array{1.0, 1.0});
-      CHECK(measured.board->scale_sigma < kUnmeasuredScaleSigma);
+      CHECK(module_width(reading.value->tag) == Approx(module_width(board->tag)).epsilon(1e-6));
+      CHECK(reading.value->tag.plate_length == Approx(board->tag.plate_length));
+      const Diagnosed<Board> measured =
+          read_text_as_board(replaced(text, "# measured:", "measured:"));
+      REQUIRE_MESSAGE(measured.value, to_string(measured.diagnostics));
+      CHECK(measured.value->scale == std::array{1.0, 1.0});
+      CHECK(measured.value->scale_sigma < kUnmeasuredScaleSigma);
     }
   }
 }
@@ -166,8 +168,8 @@ TEST_CASE("a board in another file's place, or another file in its place, is nam
   const auto as_rig = read_rig(write_text(folder.path() / "b.yaml", kRightBoard));
   REQUIRE(as_rig);
   CHECK(count_findings(as_rig->diagnostics, "wrong-kind") == 1);
-  const BoardReading as_board = read_text_as_board(right_rig());
-  CHECK_FALSE(as_board.board);
+  const Diagnosed<Board> as_board = read_text_as_board(right_rig());
+  CHECK_FALSE(as_board.value);
   CHECK(count_findings(as_board.diagnostics, "wrong-kind") == 1);
   const Result<Board> loaded = load_board(write_text(folder.path() / "r.yaml", right_rig()));
   REQUIRE_FALSE(loaded);

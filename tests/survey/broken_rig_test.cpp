@@ -14,7 +14,7 @@ using namespace tagsmith::detail::test;
 
 namespace {
 
-RigReading read_text_as_rig(const std::string& text) {
+Diagnosed<Rig> read_text_as_rig(const std::string& text) {
   const TemporaryFolder folder;
   const auto reading = read_rig(write_text(folder.path() / "rig.yaml", text));
   REQUIRE(reading.has_value());
@@ -64,10 +64,10 @@ const Breakage kRigErrors[] = {
 }  // namespace
 
 TEST_CASE("the rig that the others break is right, and says what it says") {
-  const RigReading reading = read_text_as_rig(right_rig());
+  const Diagnosed<Rig> reading = read_text_as_rig(right_rig());
   CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
-  REQUIRE(reading.rig.has_value());
-  const Rig& rig = *reading.rig;
+  REQUIRE(reading.value.has_value());
+  const Rig& rig = *reading.value;
   REQUIRE(rig.cameras.size() == 2);
   CHECK(rig.cameras[0].camera.fx == doctest::Approx(1600));
   CHECK(rig.cameras[0].side == Side::left);
@@ -94,22 +94,22 @@ TEST_CASE(
   const std::string stated = replaced(
       replaced(right_rig(), "roll_sigma: 2", "roll_sigma: 2, height_sigma: 0.02"), "blur_px: 0.5",
       "blur_px: 0.5, sigma: { position: 0.001, angle: 0.05, focal: 0.002, center: 0.5 }");
-  const RigReading reading = read_text_as_rig(stated);
-  REQUIRE_MESSAGE(reading.rig.has_value(), to_string(reading.diagnostics));
-  const CalibrationSigma& sigma = reading.rig->cameras[1].calibration_sigma;
-  CHECK(reading.rig->height_sigma == 0.02);
+  const Diagnosed<Rig> reading = read_text_as_rig(stated);
+  REQUIRE_MESSAGE(reading.value.has_value(), to_string(reading.diagnostics));
+  const CalibrationSigma& sigma = reading.value->cameras[1].calibration_sigma;
+  CHECK(reading.value->height_sigma == 0.02);
   CHECK(sigma.position == 0.001);
   CHECK(sigma.angle == doctest::Approx(radians(0.05)));
   CHECK(sigma.focal == 0.002);
   CHECK(sigma.center == 0.5);
-  CHECK(read_text_as_rig(right_rig()).rig->height_sigma == 0.05);
+  CHECK(read_text_as_rig(right_rig()).value->height_sigma == 0.05);
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {
   for (const Breakage& broken : kRigErrors) {
     CAPTURE(broken.name);
-    const RigReading reading = read_text_as_rig(replaced(right_rig(), broken.from, broken.to));
-    CHECK_FALSE(reading.rig.has_value());
+    const Diagnosed<Rig> reading = read_text_as_rig(replaced(right_rig(), broken.from, broken.to));
+    CHECK_FALSE(reading.value.has_value());
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
   }
@@ -117,10 +117,10 @@ TEST_CASE("every way to break a rig is reported by its rule and line") {
 
 TEST_CASE("odd cameras are warned about") {
   const auto swapped = read_text_as_rig(replaced(right_rig(), "[4.8, 3.6]", "[3.6, 4.8]"));
-  CHECK(swapped.rig.has_value());
+  CHECK(swapped.value.has_value());
   CHECK(count_findings(swapped.diagnostics, "odd-pixels", 6) == 1);
   const auto outside = read_text_as_rig(replaced(right_rig(), "cx: 640", "cx: 1640"));
-  CHECK(outside.rig.has_value());
+  CHECK(outside.value.has_value());
   CHECK(count_findings(outside.diagnostics, "odd-principal-point", 9) == 1);
 }
 

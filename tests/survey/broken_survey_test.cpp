@@ -11,7 +11,7 @@ using namespace tagsmith::detail::test;
 
 namespace {
 
-SurveyReading read_text_as_survey(const std::string& text) {
+Diagnosed<Survey> read_text_as_survey(const std::string& text) {
   const TemporaryFolder folder;
   const auto reading = read_survey(write_text(folder.path() / "survey.yaml", text));
   REQUIRE(reading.has_value());
@@ -121,10 +121,10 @@ const Breakage kSurveyErrors[] = {
 }  // namespace
 
 TEST_CASE("the survey that the others break is right") {
-  const SurveyReading reading = read_text_as_survey(right_survey());
+  const Diagnosed<Survey> reading = read_text_as_survey(right_survey());
   CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
-  REQUIRE(reading.survey.has_value());
-  CHECK(reading.survey->tags.size() == 9);
+  REQUIRE(reading.value.has_value());
+  CHECK(reading.value->tags.size() == 9);
 }
 
 TEST_CASE("every way to break a survey is reported by its rule and line, with a place") {
@@ -132,8 +132,8 @@ TEST_CASE("every way to break a survey is reported by its rule and line, with a 
     CAPTURE(broken.name);
     std::string text = replaced(right_survey(), broken.from, broken.to);
     if (broken.name == "alias") text = replaced(text, "{ x_axis: right }", "*a");
-    const SurveyReading reading = read_text_as_survey(text);
-    CHECK_FALSE(reading.survey.has_value());
+    const Diagnosed<Survey> reading = read_text_as_survey(text);
+    CHECK_FALSE(reading.value.has_value());
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
     CHECK(has_errors(reading.diagnostics));
@@ -148,8 +148,9 @@ TEST_CASE("a survey that is only odd is warned about and kept") {
   };
   for (const Breakage& odd : warnings) {
     CAPTURE(odd.name);
-    const SurveyReading reading = read_text_as_survey(replaced(right_survey(), odd.from, odd.to));
-    CHECK_MESSAGE(reading.survey.has_value(), to_string(reading.diagnostics));
+    const Diagnosed<Survey> reading =
+        read_text_as_survey(replaced(right_survey(), odd.from, odd.to));
+    CHECK_MESSAGE(reading.value.has_value(), to_string(reading.diagnostics));
     CHECK(count_findings(reading.diagnostics, odd.code, odd.line) == 1);
     CHECK_FALSE(has_errors(reading.diagnostics));
   }
@@ -162,7 +163,7 @@ TEST_CASE("several errors are reported in one run, in the file's order") {
   text = replaced(text, "digits: [4, 4, 3]", "digits: [4, 4, 2]");
   text = replaced(text, "000000000017", "000000000018");
   text = replaced(text, "turn: left", "turn: up");
-  const SurveyReading reading = read_text_as_survey(text);
+  const Diagnosed<Survey> reading = read_text_as_survey(text);
   CHECK(count_findings(reading.diagnostics, "decimal-comma", 4) == 1);
   CHECK(count_findings(reading.diagnostics, "bad-choice", 11) == 1);
   CHECK(count_findings(reading.diagnostics, "unknown-key", 15) == 1);
@@ -176,7 +177,7 @@ TEST_CASE("several errors are reported in one run, in the file's order") {
 }
 
 TEST_CASE("a finding says place, what was found, what is expected and how to mend it") {
-  const SurveyReading reading =
+  const Diagnosed<Survey> reading =
       read_text_as_survey(replaced(right_survey(), "spacing:", "spaceing:"));
   REQUIRE(count_findings(reading.diagnostics, "unknown-key") == 1);
   for (const Diagnostic& finding : reading.diagnostics) {
@@ -188,19 +189,19 @@ TEST_CASE("a finding says place, what was found, what is expected and how to men
     CHECK(finding.fix->found == "spaceing");
     CHECK(finding.hint == "did you mean `spacing`?");
   }
-  const SurveyReading negative =
+  const Diagnosed<Survey> negative =
       read_text_as_survey(replaced(right_survey(), "spacing: 0.6", "spacing: -2"));
   REQUIRE(negative.diagnostics.size() == 1);
   CHECK(negative.diagnostics[0].message ==
         "tags.spacing is -2, expected more than 0 and at most 100000 m");
   CHECK(negative.diagnostics[0].column == 12);
-  const SurveyReading without_count = read_text_as_survey(
+  const Diagnosed<Survey> without_count = read_text_as_survey(
       replaced(replaced(right_survey(), "spacing: 0.6", "spacing: -2"), "pairs: 4", "to: 6"));
   CHECK(without_count.diagnostics.size() == 1);
 }
 
 TEST_CASE("regular tags that share a fault are reported once, with their number") {
-  const SurveyReading reading =
+  const Diagnosed<Survey> reading =
       read_text_as_survey(replaced(right_survey(), "pairs: 4", "pairs: 500"));
   CHECK(count_findings(reading.diagnostics, "outside-tunnel") == 1);
   CHECK(to_string(reading.diagnostics).find("499R") != std::string::npos);
@@ -211,12 +212,12 @@ TEST_CASE("a code out of range comes with an origin that mends it") {
       replaced(right_survey(), "start: [10.0, 20.0, 0.0]", "start: [10.0, 7020.0, 0.0]");
   text = replaced(text, "p: [12.0, 22.4, 1.4]", "p: [12.0, 7022.4, 1.4]");
   text = replaced(text, "p: [8.0, 25.0, 1.4]", "p: [8.0, 7025.0, 1.4]");
-  const SurveyReading reading = read_text_as_survey(text);
+  const Diagnosed<Survey> reading = read_text_as_survey(text);
   REQUIRE(count_findings(reading.diagnostics, "code-range") >= 1);
   CHECK(to_string(reading.diagnostics).find("7021") != std::string::npos);
-  const SurveyReading mended =
+  const Diagnosed<Survey> mended =
       read_text_as_survey(replaced(text, "origin: [0, 0, -1]", "origin: [0, 7021, -1]"));
-  CHECK_MESSAGE(mended.survey.has_value(), to_string(mended.diagnostics));
+  CHECK_MESSAGE(mended.value.has_value(), to_string(mended.diagnostics));
 }
 
 TEST_CASE("surveys together must have codes and names of their own") {

@@ -13,7 +13,7 @@ using namespace tagsmith::detail::test;
 
 namespace {
 
-TemplateReading read_text_as_template(const std::string& text) {
+Diagnosed<TagTemplate> read_text_as_template(const std::string& text) {
   const TemporaryFolder folder;
   const auto reading = read_template(write_text(folder.path() / "t.yaml", text));
   REQUIRE(reading.has_value());
@@ -62,28 +62,28 @@ const Breakage kTemplateErrors[] = {
 }  // namespace
 
 TEST_CASE("the template that the others break is right") {
-  const TemplateReading reading = read_text_as_template(right_template());
+  const Diagnosed<TagTemplate> reading = read_text_as_template(right_template());
   CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
-  REQUIRE(reading.tag.has_value());
-  CHECK(reading.tag->frame_offset_up == 0.02);
-  CHECK(reading.tag->label.text_height == doctest::Approx(0.008));
+  REQUIRE(reading.value.has_value());
+  CHECK(reading.value->frame_offset_up == 0.02);
+  CHECK(reading.value->label.text_height == doctest::Approx(0.008));
 }
 
 TEST_CASE("every way to break a template is reported by its rule and line") {
   for (const Breakage& broken : kTemplateErrors) {
     CAPTURE(broken.name);
-    const TemplateReading reading =
+    const Diagnosed<TagTemplate> reading =
         read_text_as_template(replaced(right_template(), broken.from, broken.to));
-    CHECK_FALSE(reading.tag.has_value());
+    CHECK_FALSE(reading.value.has_value());
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
   }
 }
 
 TEST_CASE("a logo that is not there is a warning: whoever reads photos needs none") {
-  const TemplateReading reading =
+  const Diagnosed<TagTemplate> reading =
       read_text_as_template("logo: { file: none.svg, size_mm: [40, 20] }\n" + right_template());
-  CHECK(reading.tag.has_value());
+  CHECK(reading.value.has_value());
   CHECK(count_findings(reading.diagnostics, "no-logo", 1) == 1);
 }
 
@@ -91,11 +91,11 @@ TEST_CASE("holes, patches, cut and material are read; dots shrink the module to 
   const std::string extras =
       "holes: { diameter_mm: 6, inset_mm: 8 }\npatches: { size_mm: 20 }\n"
       "cut: { contour: true, corner_radius_mm: 5 }\nmaterial: matt white\n";
-  const TemplateReading reading = read_text_as_template(
+  const Diagnosed<TagTemplate> reading = read_text_as_template(
       extras + replaced(right_template(), "margin: 9", "margin: 9, dots_per_inch: 300"));
   CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
-  REQUIRE(reading.tag.has_value());
-  const TagTemplate& tag = *reading.tag;
+  REQUIRE(reading.value.has_value());
+  const TagTemplate& tag = *reading.value;
   REQUIRE(tag.holes.size() == 4);
   CHECK(tag.holes[0].right == doctest::Approx(-0.192));
   CHECK(tag.holes[0].up == doctest::Approx(0.142));
@@ -127,7 +127,7 @@ TEST_CASE("what is wrong with a survey's template is reported with the template'
       write_text(folder.path() / "survey.yaml", replaced(right_survey(), "tag-400x300", "mine"));
   const auto reading = read_survey(path);
   REQUIRE(reading.has_value());
-  CHECK_FALSE(reading->survey.has_value());
+  CHECK_FALSE(reading->value.has_value());
   REQUIRE(reading->diagnostics.size() == 1);
   CHECK(reading->diagnostics[0].file.ends_with("mine.yaml"));
   CHECK(reading->diagnostics[0].line == 4);

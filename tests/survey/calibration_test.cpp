@@ -148,8 +148,8 @@ std::string rig_with(const std::string& keys) {
 }
 
 // The reading of a rig whose camera has these keys, beside a calibration of the name `file`.
-RigReading read_with(const std::string& file, const std::string& calibration,
-                     const std::string& keys) {
+Diagnosed<Rig> read_with(const std::string& file, const std::string& calibration,
+                         const std::string& keys) {
   const TemporaryFolder folder;
   write_text(folder.path() / file, calibration);
   const auto reading = read_rig(write_text(folder.path() / "rig.yaml", rig_with(keys)));
@@ -157,11 +157,11 @@ RigReading read_with(const std::string& file, const std::string& calibration,
   return *reading;
 }
 
-void check_numbers(const RigReading& reading, LensModel lens,
+void check_numbers(const Diagnosed<Rig>& reading, LensModel lens,
                    const std::array<double, 8>& distortion) {
-  REQUIRE_MESSAGE(reading.rig.has_value(), to_string(reading.diagnostics));
+  REQUIRE_MESSAGE(reading.value.has_value(), to_string(reading.diagnostics));
   CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
-  const Camera& camera = reading.rig->cameras[0].camera;
+  const Camera& camera = reading.value->cameras[0].camera;
   CHECK(camera.width == 1280);
   CHECK(camera.height == 960);
   CHECK(camera.fx == 800.5);
@@ -278,9 +278,9 @@ TEST_CASE("variants of the formats are read as well") {
 TEST_CASE("every way to break a calibration is reported by its rule and line, in its file") {
   const auto check = [](const BrokenCalibration& broken, const std::string& keys) {
     CAPTURE(broken.name);
-    const RigReading reading =
+    const Diagnosed<Rig> reading =
         read_with("c.yaml", replaced(broken.text, broken.from, broken.to), keys);
-    CHECK_FALSE(reading.rig.has_value());
+    CHECK_FALSE(reading.value.has_value());
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
     for (const Diagnostic& finding : reading.diagnostics) {
@@ -296,10 +296,10 @@ TEST_CASE("every way to break a calibration is reported by its rule and line, in
 TEST_CASE("file and rig must agree on the image size") {
   const auto equal =
       read_with("a.yml", kOpenCvYaml, "calibration: a.yml\n    image_size: [1280, 960]");
-  CHECK(equal.rig.has_value());
+  CHECK(equal.value.has_value());
   const auto other =
       read_with("a.yml", kOpenCvYaml, "calibration: a.yml\n    image_size: [640, 480]");
-  CHECK_FALSE(other.rig.has_value());
+  CHECK_FALSE(other.value.has_value());
   CHECK(count_findings(other.diagnostics, "calibration-size", 5) == 1);
   const std::string unsized_file =
       replaced(replaced(kOpenCvYaml, "image_width: 1280\n", ""), "image_height: 960\n", "");
@@ -312,7 +312,7 @@ TEST_CASE("file and rig must agree on the image size") {
 TEST_CASE("four coefficients without a model are refused, and the rig can say what they are") {
   std::string silent = replaced(kOpenCvXml, "<fisheye_model>1</fisheye_model>", "");
   const auto refused = read_with("a.xml", silent, "calibration: a.xml");
-  CHECK_FALSE(refused.rig.has_value());
+  CHECK_FALSE(refused.value.has_value());
   CHECK(count_findings(refused.diagnostics, "lens-model") == 1);
   check_numbers(read_with("a.xml", silent, "calibration: a.xml\n    model: fisheye"),
                 LensModel::fisheye, kFisheye);
@@ -337,7 +337,7 @@ TEST_CASE("a rig says which file and camera, and what else it says must fit") {
 TEST_CASE("odd calibrations are warned about") {
   const auto outside = read_with("a.yml", replaced(kOpenCvYaml, "6.4025000000000000e+02", "6402."),
                                  "calibration: a.yml");
-  CHECK(outside.rig.has_value());
+  CHECK(outside.value.has_value());
   CHECK(count_findings(outside.diagnostics, "odd-principal-point", 4) == 1);
   const auto millimetres = read_with("a.yml",
                                      replaced(replaced(kOpenCvYaml, "8.0050000000000000e+02", "6."),
@@ -346,7 +346,7 @@ TEST_CASE("odd calibrations are warned about") {
   CHECK(count_findings(millimetres.diagnostics, "odd-focal-length", 4) == 1);
   const auto folding = read_with("a.yml", replaced(kOpenCvYaml, "-2.0000000000000001e-01", "-0.6"),
                                  "calibration: a.yml");
-  CHECK(folding.rig.has_value());
+  CHECK(folding.value.has_value());
   CHECK(count_findings(folding.diagnostics, "lens-reach", 4) == 1);
 }
 
@@ -364,8 +364,8 @@ TEST_CASE("a rig's own numbers may be those of a fisheye or of the rational mode
   CHECK(count_findings(five.diagnostics, "wrong-length", 10) == 1);
   const auto lens = read_with(
       "x", "", size + "focal_length_mm: 1.5\n    sensor_mm: [4.8, 3.6]\n    model: fisheye");
-  REQUIRE(lens.rig.has_value());
-  CHECK(lens.rig->cameras[0].camera.lens == LensModel::fisheye);
+  REQUIRE(lens.value.has_value());
+  CHECK(lens.value->cameras[0].camera.lens == LensModel::fisheye);
   const auto unknown = read_with("x", "", numbers + "model: fish");
   CHECK(count_findings(unknown.diagnostics, "bad-choice", 9) == 1);
 }
@@ -387,7 +387,7 @@ TEST_CASE("hostile calibrations end with a finding, not with a crash") {
         "camera_matrix: " + std::string(5000, '[')}) {
     CAPTURE(text.substr(0, 60));
     const auto reading = read_with("a.xml", text, "calibration: a.xml");
-    CHECK_FALSE(reading.rig.has_value());
+    CHECK_FALSE(reading.value.has_value());
     CHECK(has_errors(reading.diagnostics));
   }
 }

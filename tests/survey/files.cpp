@@ -74,9 +74,9 @@ std::filesystem::path write_text(const std::filesystem::path& path, const std::s
 }
 
 Survey survey_of(const std::string& text) {
-  const SurveyReading reading = read_survey_text("survey.yaml", text);
-  if (!reading.survey) throw std::runtime_error(to_string(reading.diagnostics));
-  return *reading.survey;
+  const Diagnosed<Survey> reading = read_survey_text("survey.yaml", text);
+  if (!reading.value) throw std::runtime_error(to_string(reading.diagnostics));
+  return *reading.value;
 }
 
 int count_findings(const std::vector<Diagnostic>& diagnostics, const std::string& code, int line) {

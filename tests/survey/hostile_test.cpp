@@ -61,7 +61,7 @@ TEST_CASE("hostile files are refused by a finding, quickly") {
     const auto start = std::chrono::steady_clock::now();
     const auto reading = read_survey(write_text(folder.path() / "s.yaml", hostile.text));
     REQUIRE(reading.has_value());
-    CHECK_FALSE(reading->survey.has_value());
+    CHECK_FALSE(reading->value.has_value());
     CHECK_MESSAGE(count_findings(reading->diagnostics, hostile.code) >= 1,
                   to_string(reading->diagnostics).substr(0, 1000));
     CHECK(reading->diagnostics.size() < 1000);
@@ -99,7 +99,7 @@ TEST_CASE("brackets and hash signs in text and comments count for nothing") {
   const TemporaryFolder folder;
   const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
   REQUIRE(reading.has_value());
-  CHECK_MESSAGE(reading->survey.has_value(), to_string(reading->diagnostics));
+  CHECK_MESSAGE(reading->value.has_value(), to_string(reading->diagnostics));
 }
 
 TEST_CASE("a hundred thousand tags are placed and checked in seconds") {
@@ -114,8 +114,8 @@ TEST_CASE("a hundred thousand tags are placed and checked in seconds") {
   const auto start = std::chrono::steady_clock::now();
   const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
   REQUIRE(reading.has_value());
-  CHECK_MESSAGE(reading->survey.has_value(), to_string(reading->diagnostics));
-  CHECK(reading->survey->tags.size() == 100'000);
+  CHECK_MESSAGE(reading->value.has_value(), to_string(reading->diagnostics));
+  CHECK(reading->value->tags.size() == 100'000);
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));
 }
 

@@ -157,8 +157,8 @@ TEST_CASE("a placed tag is compared with the design where there is one") {
   const std::string with_placed = right_survey() + "  - { tag: 002L, side: left, p: ";
   const TemporaryFolder folder;
   const auto reading = read_survey(write_text(folder.path() / "s.yaml", right_survey()));
-  REQUIRE(reading->survey);
-  const PlacedTag* designed = find_tag(*reading->survey, "002L");
+  REQUIRE(reading->value);
+  const PlacedTag* designed = find_tag(*reading->value, "002L");
   REQUIRE(designed != nullptr);
   const auto findings = [&](const Eigen::Vector3d& p) {
     return findings_of(with_placed +
@@ -174,13 +174,13 @@ TEST_CASE("a placed tag of either wall is compared with the designed one of its 
   const std::string designed =
       replaced(right_survey(), "  - { tag: 001R, side: right, p: [12.0, 22.4, 1.4] }\n", "");
   const auto reading = read_survey(write_text(folder.path() / "s.yaml", designed));
-  REQUIRE(reading->survey);
+  REQUIRE(reading->value);
   for (const std::string side : {"left", "right"}) {
     CAPTURE(side);
     // The wall's other tags hang as designed, this one within the tolerance of its wall.
     const auto shifts_with = [&](double along) {
       std::string text = designed;
-      for (const PlacedTag& tag : reading->survey->tags) {
+      for (const PlacedTag& tag : reading->value->tags) {
         if (to_string(tag.side) != side || tag.pair > 3) continue;
         const Eigen::Vector3d p = tag.p_in_grid + Eigen::Vector3d(0, tag.pair == 2 ? along : 0, 0);
         text += fmt::format("  - {{ tag: {}, side: {}, p: [{:.4f}, {:.4f}, {:.4f}] }}\n", tag.name,
@@ -259,8 +259,8 @@ TEST_CASE("digits that say another tag's place are told, with the tag") {
     const TemporaryFolder folder;
     const std::string text = replaced(survey_text_of(tags), "resolution: 0.01", resolution);
     const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
-    REQUIRE_MESSAGE(reading->survey, to_string(reading->diagnostics));
-    return to_string(reading->survey->tags[static_cast<std::size_t>(2 * pair)].digits);
+    REQUIRE_MESSAGE(reading->value, to_string(reading->diagnostics));
+    return to_string(reading->value->tags[static_cast<std::size_t>(2 * pair)].digits);
   };
   const auto exchange = [&](const std::string& resolution, int one, int another) {
     std::string text = replaced(survey_text_of(tags), "resolution: 0.01", resolution);
@@ -302,7 +302,7 @@ TEST_CASE("digits that say the place of another survey's tag are told") {
   const std::string low = replaced(survey_text_of(tags_from(0)), "survey: drawn", "survey: low");
   const std::string high = replaced(survey_text_of(tags_from(30)), "survey: drawn", "survey: high");
   const auto loaded = [&](const std::string& file, const std::string& text) {
-    return *read_survey(write_text(folder.path() / file, text))->survey;
+    return *read_survey(write_text(folder.path() / file, text))->value;
   };
   const Survey below = loaded("low.yaml", low);
   const Survey above = loaded("high.yaml", high);

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-SurveyReading reading_of(const std::string& text) { return read_survey_text("s.yaml", text); }
+Diagnosed<Survey> reading_of(const std::string& text) { return read_survey_text("s.yaml", text); }
 
 // A straight drive of 30 m along +y from the origin; `room` are the keys of its walls and roof.
 std::string drive(const std::string& room, const std::string& rest = "") {
@@ -130,9 +130,9 @@ TEST_CASE("what a section or wall may not say is said with its place") {
            Row{"  width: 4\n  height: 3\n  stand_of: 0.03\n", "unknown-key", 5},
        }) {
     CAPTURE(row.room);
-    const SurveyReading reading = reading_of(drive(row.room));
+    const Diagnosed<Survey> reading = reading_of(drive(row.room));
     CAPTURE(to_string(reading.diagnostics));
-    CHECK_FALSE(reading.survey.has_value());
+    CHECK_FALSE(reading.value.has_value());
     CHECK(count_findings(reading.diagnostics, row.code, row.line) == 1);
   }
 }
@@ -146,16 +146,16 @@ TEST_CASE("an arc must be wider than its inner wall is far, wherever that is") {
 }
 
 TEST_CASE("a plate over a step of its wall is warned of, regular ones together") {
-  const SurveyReading reading =
+  const Diagnosed<Survey> reading =
       reading_of(drive("  height: 3\n  sections: [ { at: 0, width: 4 }, { at: 5.1, width: 4 }, { "
                        "at: 5.1, width: 5 } "
                        "]\n"));
-  CHECK(reading.survey.has_value());
+  CHECK(reading.value.has_value());
   CHECK(count_findings(reading.diagnostics, "wall-step") == 1);
 }
 
 TEST_CASE("a low roof is found where it is low") {
-  const SurveyReading reading = reading_of(
+  const Diagnosed<Survey> reading = reading_of(
       drive("  width: 4\n  sections: [ { at: 0, height: 3 }, { at: 18, height: 1.3 } ]\n"));
   CHECK(count_findings(reading.diagnostics, "outside-tunnel") == 1);
 }

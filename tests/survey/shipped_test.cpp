@@ -83,7 +83,7 @@ TEST_CASE("every shipped survey loads without a finding") {
     const auto reading = read_survey(file);
     REQUIRE(reading.has_value());
     CHECK_MESSAGE(reading->diagnostics.empty(), to_string(reading->diagnostics));
-    CHECK(reading->survey.has_value());
+    CHECK(reading->value.has_value());
   }
 }
 
@@ -93,8 +93,8 @@ TEST_CASE("every shipped template loads without a finding under its own name") {
     const auto reading = read_template(entry.path());
     REQUIRE(reading.has_value());
     CHECK_MESSAGE(reading->diagnostics.empty(), to_string(reading->diagnostics));
-    REQUIRE(reading->tag.has_value());
-    CHECK(reading->tag->name == entry.path().stem().string());
+    REQUIRE(reading->value.has_value());
+    CHECK(reading->value->name == entry.path().stem().string());
     ++count;
   }
   CHECK(count >= 2);
@@ -108,10 +108,10 @@ TEST_CASE("every shipped rig loads without a finding, and every run with its rig
     const auto rig = read_rig(file);
     REQUIRE(rig.has_value());
     CHECK_MESSAGE(rig->diagnostics.empty(), to_string(rig->diagnostics));
-    REQUIRE(rig->rig.has_value());
+    REQUIRE(rig->value.has_value());
     for (const auto& entry : fs::directory_iterator(file.parent_path())) {
       if (entry.path().extension() != ".csv") continue;
-      const auto run = load_run(entry.path(), *rig->rig);
+      const auto run = load_run(entry.path(), *rig->value);
       REQUIRE_MESSAGE(run.has_value(), run.error().message);
       for (const Measurement& measurement : run->measurements) {
         CHECK(measurement.cameras.size() == 2);

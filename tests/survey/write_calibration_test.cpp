@@ -49,8 +49,8 @@ TEST_CASE("what is written reads back to the last bit, without being told anythi
       const auto reading = read_calibration({file, "", std::nullopt});
       REQUIRE(reading.has_value());
       CHECK_MESSAGE(reading->diagnostics.empty(), to_string(reading->diagnostics, true));
-      REQUIRE(reading->camera.has_value());
-      CHECK(are_equal(*reading->camera, camera));
+      REQUIRE(reading->value.has_value());
+      CHECK(are_equal(*reading->value, camera));
       ++written;
     }
   }

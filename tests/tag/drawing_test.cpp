@@ -17,12 +17,12 @@ namespace {
 // The shipped template of the paper's straight corridor or of its curved tunnel.
 TagTemplate paper_template(bool large) {
   const std::string name = large ? "tag-800x430" : "tag-400x300";
-  const Result<TemplateReading> reading = read_template("templates/" + name + ".yaml");
+  const Result<Diagnosed<TagTemplate>> reading = read_template("templates/" + name + ".yaml");
   REQUIRE(reading);
-  REQUIRE(reading->tag);
+  REQUIRE(reading->value);
   CHECK(reading->diagnostics.empty());
-  CHECK(reading->tag->name == name);
-  return *reading->tag;
+  CHECK(reading->value->name == name);
+  return *reading->value;
 }
 
 struct Dimensions {

@@ -135,16 +135,16 @@ TEST_CASE("a moved tag that is to stay has an entry for the survey, by which it 
   const HungTag tag = corridor.judged("001L");
   REQUIRE_FALSE(tag.placed.empty());
   const std::string text = *read_file("surveys/corridor/survey.yaml");
-  const SurveyReading reading = read_survey_text("surveys/corridor/as_built.yaml",
-                                                 text + "placed:\n  - " + tag.placed + "\n");
-  REQUIRE_MESSAGE(reading.survey, to_string(reading.diagnostics, true));
-  const PlacedTag& placed = *find_tag(*reading.survey, std::string_view("001L"));
+  const Diagnosed<Survey> reading = read_survey_text("surveys/corridor/as_built.yaml",
+                                                     text + "placed:\n  - " + tag.placed + "\n");
+  REQUIRE_MESSAGE(reading.value, to_string(reading.diagnostics, true));
+  const PlacedTag& placed = *find_tag(*reading.value, std::string_view("001L"));
   CHECK((placed.world_from_plate.translation - pose.translation).norm() < 1e-3);
   CHECK(angle_between(placed.world_from_plate.rotation, pose.rotation) < radians(0.1));
   CHECK(placed.digits == find_tag(corridor.survey, std::string_view("001L"))->digits);
   const double of_each_axis = std::sqrt(tag.offset.sigma.squaredNorm() / 3);
   CHECK(placed.sigma / of_each_axis == doctest::Approx(1).epsilon(0.1));
-  corridor.survey = *reading.survey;
+  corridor.survey = *reading.value;
   CHECK(corridor.judged("001L").verdict == HangVerdict::fits);
 }
 
