@@ -48,8 +48,8 @@ struct Findings {
 };
 
 // Takes over what a reading found; false when the file could not be read at all.
-template <class Reading>
-bool collect(const Result<Reading>& reading, Findings& findings) {
+template <class T>
+bool collect(const Result<Diagnosed<T>>& reading, Findings& findings) {
   if (!reading) {
     findings.unreadable.push_back(reading.error());
     return false;

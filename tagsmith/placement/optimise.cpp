@@ -18,21 +18,19 @@ constexpr std::size_t kRounds = 2;  // over all freedoms
 
 // A freedom: layouts that differ from a given one in it.
 struct Step {
-  std::string name;
-  std::function<std::vector<Layout>(const Layout&)> layouts;
+  bool allowed = true;
+  const char* name = "";
+  std::vector<Layout> (LayoutSearch::*layouts)(const Layout&) const = nullptr;
 };
 
-std::vector<Step> allowed_steps(const LayoutSearch& search, const Freedom& freedom) {
-  std::vector<Step> steps;
-  const auto add = [&](bool allowed, const char* name,
-                       std::vector<Layout> (LayoutSearch::*layouts)(const Layout&) const) {
-    if (!allowed) return;
-    steps.push_back({name, [&search, layouts](const Layout& l) { return (search.*layouts)(l); }});
+std::vector<Step> allowed_steps(const Freedom& freedom) {
+  std::vector<Step> steps{
+      {freedom.plate, "plate and spacing", &LayoutSearch::plates},
+      {freedom.mount_height, "height and spacing", &LayoutSearch::heights},
+      {freedom.stagger, "stagger and spacing", &LayoutSearch::staggers},
+      {freedom.alpha, "alpha and spacing", &LayoutSearch::alphas},
   };
-  add(freedom.plate, "plate and spacing", &LayoutSearch::plates);
-  add(freedom.mount_height, "height and spacing", &LayoutSearch::heights);
-  add(freedom.stagger, "stagger and spacing", &LayoutSearch::staggers);
-  add(freedom.alpha, "alpha and spacing", &LayoutSearch::alphas);
+  std::erase_if(steps, [](const Step& step) { return !step.allowed; });
   return steps;
 }
 
@@ -40,11 +38,13 @@ std::vector<Step> allowed_steps(const LayoutSearch& search, const Freedom& freed
 std::vector<LayoutReport> explore(const LayoutSearch& search, const std::vector<Step>& steps,
                                   const SearchProgress& progress) {
   std::size_t total = 0;
-  for (const Step& step : steps) total += (1 + kRounds) * step.layouts(search.given()).size();
+  for (const Step& step : steps) {
+    total += (1 + kRounds) * std::invoke(step.layouts, search, search.given()).size();
+  }
   std::size_t done = 0;
   const auto best_of = [&](const std::string& name, const LayoutReport& from, const Step& step) {
     LayoutReport best = from;
-    for (const Layout& layout : step.layouts(from.layout)) {
+    for (const Layout& layout : std::invoke(step.layouts, search, from.layout)) {
       if (progress) progress(done++, total);
       auto tried = search.stretched(name, layout, &best);
       if (tried && search.is_cheaper(*tried, best)) best = std::move(*tried);
@@ -113,7 +113,7 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
   result.demanded = search.demanded();
   result.alpha_can_vary = all_look_aside(rig);
   result.given = search.report("as given", search.given());
-  result.alternatives = prove(search, explore(search, allowed_steps(search, freedom), progress));
+  result.alternatives = prove(search, explore(search, allowed_steps(freedom), progress));
   result.chosen = result.given;
   for (const LayoutReport& alternative : result.alternatives) {
     if (search.is_cheaper(alternative, result.chosen)) result.chosen = alternative;

@@ -97,13 +97,13 @@ std::optional<fs::path> file_if_there(const fs::path& path) {
 }  // namespace
 
 Result<Diagnosed<TagTemplate>> read_template(const fs::path& path) {
+  const auto read_root = [&](const YamlNode& root, FindingLog& log) {
+    TagTemplate tag = read_tag(root, path, log);
+    tag.file = path;
+    return tag;
+  };
   return read_file(path).map([&](const std::string& text) {
-    return read_yaml_file<TagTemplate>(path, text, "tag",
-                                       [&](const YamlNode& root, FindingLog& log) {
-                                         std::optional<TagTemplate> tag = read_tag(root, path, log);
-                                         if (tag) tag->file = path;
-                                         return tag;
-                                       });
+    return read_yaml_file<TagTemplate>(path, text, "tag", read_root);
   });
 }
 
