@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -13,38 +15,35 @@ namespace {
 
 using detail::throw_invalid;
 
-RefusalReason reason_from(detail::RejectionReason reason) {
-  using From = detail::RejectionReason;
-  switch (reason) {
-    case From::frame_fault:
-      return RefusalReason::frame_fault;
-    case From::side_hidden:
-      return RefusalReason::side_hidden;
-    case From::no_guards:
-      return RefusalReason::no_guards;
-    case From::guard_pattern:
-      return RefusalReason::guard_pattern;
-    case From::element_widths:
-      return RefusalReason::element_widths;
-    case From::covered:
-      return RefusalReason::covered;
-    case From::growth:
-      return RefusalReason::growth;
-    case From::blur:
-      return RefusalReason::blur;
-    case From::stranger:
-    case From::not_in_survey:
-      return RefusalReason::stranger;
-    case From::lines_disagree:
-      return RefusalReason::lines_disagree;
-    case From::ean13:
-      return RefusalReason::ean13;
-    case From::doubtful:
-    case From::check_digit:
-    case From::paper_step:
-      break;
-  }
-  return RefusalReason::doubtful;
+// What the interface calls each reason of the reader.
+struct ReasonName {
+  detail::RejectionReason reason;
+  RefusalReason refusal;
+  const char* name;
+};
+
+using Rejected = detail::RejectionReason;
+using Refused = RefusalReason;
+constexpr std::array<ReasonName, 15> kReasonNames{
+    {{Rejected::frame_fault, Refused::frame_fault, "frame_fault"},
+     {Rejected::side_hidden, Refused::side_hidden, "side_hidden"},
+     {Rejected::no_guards, Refused::no_guards, "no_guards"},
+     {Rejected::guard_pattern, Refused::guard_pattern, "guard_pattern"},
+     {Rejected::element_widths, Refused::element_widths, "element_widths"},
+     {Rejected::covered, Refused::covered, "covered"},
+     {Rejected::growth, Refused::growth, "growth"},
+     {Rejected::blur, Refused::blur, "blur"},
+     {Rejected::doubtful, Refused::doubtful, "doubtful"},
+     {Rejected::stranger, Refused::stranger, "stranger"},
+     {Rejected::lines_disagree, Refused::lines_disagree, "lines_disagree"},
+     {Rejected::ean13, Refused::ean13, "ean13"},
+     {Rejected::check_digit, Refused::doubtful, "doubtful"},
+     {Rejected::not_in_survey, Refused::stranger, "stranger"},
+     {Rejected::paper_step, Refused::doubtful, "doubtful"}}};
+static_assert(kReasonNames.size() == static_cast<std::size_t>(Rejected::paper_step) + 1);
+
+RefusalReason reason_from(Rejected reason) {
+  return std::ranges::find(kReasonNames, reason, &ReasonName::reason)->refusal;
 }
 
 // What a code means: by the survey that has it, else by the code of the paper.
@@ -173,33 +172,7 @@ const char* to_string(ReadingMethod method) noexcept {
 }
 
 const char* to_string(RefusalReason reason) noexcept {
-  switch (reason) {
-    case RefusalReason::frame_fault:
-      return "frame_fault";
-    case RefusalReason::side_hidden:
-      return "side_hidden";
-    case RefusalReason::no_guards:
-      return "no_guards";
-    case RefusalReason::guard_pattern:
-      return "guard_pattern";
-    case RefusalReason::element_widths:
-      return "element_widths";
-    case RefusalReason::covered:
-      return "covered";
-    case RefusalReason::growth:
-      return "growth";
-    case RefusalReason::blur:
-      return "blur";
-    case RefusalReason::stranger:
-      return "stranger";
-    case RefusalReason::lines_disagree:
-      return "lines_disagree";
-    case RefusalReason::ean13:
-      return "ean13";
-    case RefusalReason::doubtful:
-      break;
-  }
-  return "doubtful";
+  return std::ranges::find(kReasonNames, reason, &ReasonName::refusal)->name;
 }
 
 ReadResult read(const ImageView& image, const ReadOptions& options) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 
 #include <tagsmith/files.hpp>
 
@@ -46,25 +47,10 @@ VerifiedFile file_from(const std::filesystem::path& path,
 }  // namespace
 
 const char* to_string(TagStatus status) noexcept {
-  switch (status) {
-    case TagStatus::ok:
-      return "ok";
-    case TagStatus::unknown:
-      return "unknown";
-    case TagStatus::misprinted:
-      return "misprinted";
-    case TagStatus::unreadable:
-      return "unreadable";
-    case TagStatus::duplicate:
-      return "duplicate";
-    case TagStatus::cut_off:
-      return "cut_off";
-    case TagStatus::misplaced:
-      return "misplaced";
-    case TagStatus::doubtful:
-      break;
-  }
-  return "doubtful";
+  constexpr std::array kNames{"ok",        "unknown", "misprinted", "unreadable",
+                              "duplicate", "cut_off", "misplaced",  "doubtful"};
+  static_assert(kNames.size() == detail::kTagStatuses);
+  return kNames[static_cast<std::size_t>(status)];
 }
 
 bool VerifiedFile::is_ok() const {

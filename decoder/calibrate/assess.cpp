@@ -291,43 +291,18 @@ void find_stretch(const Case& c, std::size_t index, Findings& findings) {
 }  // namespace
 
 std::string_view to_string(CalibrationIssue issue) {
-  switch (issue) {
-    case CalibrationIssue::focal_unknown:
-      return "focal_unknown";
-    case CalibrationIssue::rays_unknown:
-      return "rays_unknown";
-    case CalibrationIssue::too_few_photos:
-      return "too_few_photos";
-    case CalibrationIssue::not_covered:
-      return "not_covered";
-    case CalibrationIssue::all_frontal:
-      return "all_frontal";
-    case CalibrationIssue::photo_contradicts:
-      return "photo_contradicts";
-    case CalibrationIssue::photo_zoomed:
-      return "photo_zoomed";
-    case CalibrationIssue::tags_left_out:
-      return "tags_left_out";
-    case CalibrationIssue::board_bowed:
-      return "board_bowed";
-    case CalibrationIssue::board_stretched:
-      return "board_stretched";
-    case CalibrationIssue::residuals_larger:
-      return "residuals_larger";
-  }
-  return "";
+  constexpr std::array kNames{"focal_unknown",   "rays_unknown",    "too_few_photos",
+                              "not_covered",     "all_frontal",     "photo_contradicts",
+                              "photo_zoomed",    "tags_left_out",   "board_bowed",
+                              "board_stretched", "residuals_larger"};
+  static_assert(kNames.size() == static_cast<std::size_t>(CalibrationIssue::residuals_larger) + 1);
+  return kNames[static_cast<std::size_t>(issue)];
 }
 
 std::string_view to_string(CalibrationTrust trust) {
-  switch (trust) {
-    case CalibrationTrust::good:
-      return "good";
-    case CalibrationTrust::weak:
-      return "weak";
-    case CalibrationTrust::refused:
-      return "refused";
-  }
-  return "";
+  constexpr std::array kNames{"good", "weak", "refused"};
+  static_assert(kNames.size() == static_cast<std::size_t>(CalibrationTrust::refused) + 1);
+  return kNames[static_cast<std::size_t>(trust)];
 }
 
 std::string_view cell_name(std::size_t cell) {

@@ -375,19 +375,9 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
 }
 
 const char* to_string(RigParameter parameter) {
-  switch (parameter) {
-    case RigParameter::yaw:
-      return "yaw";
-    case RigParameter::pitch:
-      return "pitch";
-    case RigParameter::roll:
-      return "roll";
-    case RigParameter::turn:
-      return "turn";
-    case RigParameter::focal:
-      break;
-  }
-  return "focal";
+  constexpr std::array kNames{"yaw", "pitch", "roll", "turn", "focal"};
+  static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::focal) + 1);
+  return kNames[static_cast<std::size_t>(parameter)];
 }
 
 std::string describe(const RigSuspicion& suspicion, const Rig& rig) {

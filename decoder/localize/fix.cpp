@@ -2,6 +2,7 @@
 #include "decoder/localize/fix.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -16,64 +17,39 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-}  // namespace
+// How a kind of mistake is called in JSON and in a sentence, where the name of what it is about
+// follows.
+struct KindWords {
+  const char* kind;
+  const char* mistake;
+};
 
-const char* to_string(Unchecked::Kind kind) {
-  using enum Unchecked::Kind;
-  switch (kind) {
-    case plate_place:
-      return "plate_place";
-    case wall_places:
-      return "wall_places";
-    case plate_size:
-      return "plate_size";
-    case mounting:
-      return "mounting";
-    case lens:
-      return "lens";
-    case all_lenses:
-      return "all_lenses";
-    case range:
-      return "range";
-    case vehicle_height:
-      return "vehicle_height";
-    case all_mountings:
-      return "all_mountings";
-    case moment:
-      return "moment";
-    case survey_frame:
-      return "survey_frame";
-  }
-  return "";
+// In the order of the kinds.
+constexpr std::array kKindWords{
+    KindWords{"plate_place", "the place of "},
+    KindWords{"wall_places", "the width of the tunnel or the spacing of the plates"},
+    KindWords{"plate_size", "the size of the plates"},
+    KindWords{"mounting", "the mounting of camera "},
+    KindWords{"lens", "the lens of camera "},
+    KindWords{"all_lenses", "the focal length of all cameras"},
+    KindWords{"range", "the range "},
+    KindWords{"vehicle_height", "the height of the vehicle"},
+    KindWords{"all_mountings", "the mounting of all cameras together"},
+    KindWords{"moment", "the moment of all photos"},
+    KindWords{"survey_frame", "the place of the survey as a whole"},
+};
+static_assert(kKindWords.size() == static_cast<std::size_t>(Unchecked::Kind::survey_frame) + 1);
+
+const KindWords& words_of(Unchecked::Kind kind) {
+  return kKindWords[static_cast<std::size_t>(kind)];
 }
 
+}  // namespace
+
+const char* to_string(Unchecked::Kind kind) { return words_of(kind).kind; }
+
 std::string to_string(const Unchecked& unchecked) {
-  using enum Unchecked::Kind;
-  switch (unchecked.kind) {
-    case plate_place:
-      return "the place of " + unchecked.name;
-    case wall_places:
-      return "the width of the tunnel or the spacing of the plates";
-    case plate_size:
-      return "the size of the plates";
-    case mounting:
-      return "the mounting of camera " + unchecked.name;
-    case lens:
-      return "the lens of camera " + unchecked.name;
-    case all_lenses:
-      return "the focal length of all cameras";
-    case range:
-      return "the range " + unchecked.name;
-    case vehicle_height:
-      return "the height of the vehicle";
-    case all_mountings:
-      return "the mounting of all cameras together";
-    case moment:
-      return "the moment of all photos";
-    case survey_frame:
-      return "the place of the survey as a whole";
-  }
-  return {};
+  return words_of(unchecked.kind).mistake + unchecked.name;
 }
 
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }

@@ -245,15 +245,9 @@ PaperSegmentation segment_paper(const GrayView& image) {
 }
 
 std::string to_string(PaperStep step) {
-  switch (step) {
-    case PaperStep::locate_frame:
-      return "locate the feature frame";
-    case PaperStep::scan_rows:
-      return "scan the rows";
-    case PaperStep::vote:
-      return "agree on the digits";
-  }
-  return {};
+  constexpr std::array kNames{"locate the feature frame", "scan the rows", "agree on the digits"};
+  static_assert(kNames.size() == static_cast<std::size_t>(PaperStep::vote) + 1);
+  return kNames[static_cast<std::size_t>(step)];
 }
 
 tl::expected<PaperReading, PaperFailure> read_paper(const PaperSegmentation& segmentation) {
