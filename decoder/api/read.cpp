@@ -24,7 +24,7 @@ struct ReasonName {
 
 using Rejected = detail::RejectionReason;
 using Refused = RefusalReason;
-constexpr std::array<ReasonName, 15> kReasonNames{
+constexpr auto kReasonNames = std::to_array<ReasonName>(
     {{Rejected::frame_fault, Refused::frame_fault, "frame_fault"},
      {Rejected::side_hidden, Refused::side_hidden, "side_hidden"},
      {Rejected::no_guards, Refused::no_guards, "no_guards"},
@@ -39,7 +39,7 @@ constexpr std::array<ReasonName, 15> kReasonNames{
      {Rejected::ean13, Refused::ean13, "ean13"},
      {Rejected::check_digit, Refused::doubtful, "doubtful"},
      {Rejected::not_in_survey, Refused::stranger, "stranger"},
-     {Rejected::paper_step, Refused::doubtful, "doubtful"}}};
+     {Rejected::paper_step, Refused::doubtful, "doubtful"}});
 static_assert(kReasonNames.size() == static_cast<std::size_t>(Rejected::paper_step) + 1);
 
 RefusalReason reason_from(Rejected reason) {

@@ -25,19 +25,19 @@ struct KindWords {
 };
 
 // In the order of the kinds.
-constexpr std::array kKindWords{
-    KindWords{"plate_place", "the place of "},
-    KindWords{"wall_places", "the width of the tunnel or the spacing of the plates"},
-    KindWords{"plate_size", "the size of the plates"},
-    KindWords{"mounting", "the mounting of camera "},
-    KindWords{"lens", "the lens of camera "},
-    KindWords{"all_lenses", "the focal length of all cameras"},
-    KindWords{"range", "the range "},
-    KindWords{"vehicle_height", "the height of the vehicle"},
-    KindWords{"all_mountings", "the mounting of all cameras together"},
-    KindWords{"moment", "the moment of all photos"},
-    KindWords{"survey_frame", "the place of the survey as a whole"},
-};
+constexpr auto kKindWords = std::to_array<KindWords>({
+    {"plate_place", "the place of "},
+    {"wall_places", "the width of the tunnel or the spacing of the plates"},
+    {"plate_size", "the size of the plates"},
+    {"mounting", "the mounting of camera "},
+    {"lens", "the lens of camera "},
+    {"all_lenses", "the focal length of all cameras"},
+    {"range", "the range "},
+    {"vehicle_height", "the height of the vehicle"},
+    {"all_mountings", "the mounting of all cameras together"},
+    {"moment", "the moment of all photos"},
+    {"survey_frame", "the place of the survey as a whole"},
+});
 static_assert(kKindWords.size() == static_cast<std::size_t>(Unchecked::Kind::survey_frame) + 1);
 
 const KindWords& words_of(Unchecked::Kind kind) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/python/bindings.hpp"
 
-#include <utility>
+#include <algorithm>
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -12,23 +12,20 @@ namespace py = pybind11;
 namespace tagsmith::python {
 namespace {
 
-template <std::size_t N>
-py::object square_array(const Matrix<N>& matrix) {
-  const auto size = static_cast<py::ssize_t>(N);
-  py::array_t<double> array({size, size});
-  auto cells = array.mutable_unchecked<2>();
-  for (std::size_t i = 0; i < N; ++i) {
-    for (std::size_t j = 0; j < N; ++j) {
-      cells(static_cast<py::ssize_t>(i), static_cast<py::ssize_t>(j)) = matrix[i][j];
-    }
-  }
-  return std::move(array);
+// Numbers of these types lie one after the other.
+static_assert(sizeof(Corners) == 8 * sizeof(double) && sizeof(Rectangle) == 4 * sizeof(double) &&
+              sizeof(CornerCovariance) == 64 * sizeof(double));
+
+// A copy of numbers that lie row by row.
+py::object array_copy(const std::vector<py::ssize_t>& shape, const double* numbers) {
+  return py::array_t<double>(shape, numbers);
 }
 
 template <std::size_t N>
-py::object square_array_or_none(const std::optional<Matrix<N>>& matrix) {
+py::object square_array(const std::optional<Matrix<N>>& matrix) {
+  constexpr auto kSize = static_cast<py::ssize_t>(N);
   if (!matrix) return py::none();
-  return square_array(*matrix);
+  return array_copy({kSize, kSize}, matrix->front().data());
 }
 
 // The numbers of an array-like of this shape.
@@ -96,55 +93,27 @@ PlateTemplate plate_from(const py::handle& plate) {
 
 Corners corners_from(const py::handle& corners) {
   const py::array_t<double> numbers = numbers_from(corners, 4, 2, "corners");
-  const auto cells = numbers.unchecked<2>();
   Corners points;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto row = static_cast<py::ssize_t>(i);
-    points[i] = {cells(row, 0), cells(row, 1)};
-  }
+  std::copy_n(numbers.data(), numbers.size(), &points.front().x);
   return points;
 }
 
 CornerCovariance covariance_from(const py::handle& covariance) {
   const py::array_t<double> numbers = numbers_from(covariance, 8, 8, "covariances");
-  const auto cells = numbers.unchecked<2>();
   CornerCovariance matrix{};
-  for (std::size_t i = 0; i < matrix.size(); ++i) {
-    for (std::size_t j = 0; j < matrix.size(); ++j) {
-      matrix[i][j] = cells(static_cast<py::ssize_t>(i), static_cast<py::ssize_t>(j));
-    }
-  }
+  std::copy_n(numbers.data(), numbers.size(), matrix.front().data());
   return matrix;
 }
 
-py::object array_of(const Vector3& vector) { return py::array_t<double>(3, vector.data()); }
+py::object array_of(const Vector3& vector) { return array_copy({3}, vector.data()); }
 
-py::object array_of(const Corners& corners) {
-  py::array_t<double> array({4, 2});
-  auto cells = array.mutable_unchecked<2>();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    cells(static_cast<py::ssize_t>(i), 0) = corners[i].x;
-    cells(static_cast<py::ssize_t>(i), 1) = corners[i].y;
-  }
-  return std::move(array);
-}
+py::object array_of(const Corners& corners) { return array_copy({4, 2}, &corners.front().x); }
 
-py::object array_of(const Rectangle& rectangle) {
-  const std::array<double, 4> sides{rectangle.x, rectangle.y, rectangle.width, rectangle.height};
-  return py::array_t<double>(4, sides.data());
-}
+py::object array_of(const Rectangle& rectangle) { return array_copy({4}, &rectangle.x); }
 
 py::object array_of(const std::vector<Rectangle>& rectangles) {
-  py::array_t<double> array({static_cast<py::ssize_t>(rectangles.size()), py::ssize_t{4}});
-  auto cells = array.mutable_unchecked<2>();
-  for (std::size_t i = 0; i < rectangles.size(); ++i) {
-    const auto row = static_cast<py::ssize_t>(i);
-    cells(row, 0) = rectangles[i].x;
-    cells(row, 1) = rectangles[i].y;
-    cells(row, 2) = rectangles[i].width;
-    cells(row, 3) = rectangles[i].height;
-  }
-  return std::move(array);
+  return array_copy({static_cast<py::ssize_t>(rectangles.size()), 4},
+                    rectangles.empty() ? nullptr : &rectangles.front().x);
 }
 
 py::object array_of(const std::optional<Vector3>& vector) {
@@ -152,9 +121,9 @@ py::object array_of(const std::optional<Vector3>& vector) {
   return array_of(*vector);
 }
 
-py::object array_of(const std::optional<Matrix<3>>& matrix) { return square_array_or_none(matrix); }
-py::object array_of(const std::optional<Matrix<6>>& matrix) { return square_array_or_none(matrix); }
-py::object array_of(const std::optional<Matrix<8>>& matrix) { return square_array_or_none(matrix); }
+py::object array_of(const std::optional<Matrix<3>>& matrix) { return square_array(matrix); }
+py::object array_of(const std::optional<Matrix<6>>& matrix) { return square_array(matrix); }
+py::object array_of(const std::optional<Matrix<8>>& matrix) { return square_array(matrix); }
 
 std::string to_string(Side side) { return side == Side::left ? "left" : "right"; }
 
