@@ -32,13 +32,6 @@ SightedPlate plate_for(const PlacedTag& tag, const Survey& survey) {
   return plate;
 }
 
-std::size_t plate_index(Drive& drive, const PlacedTag& tag, const Survey& survey) {
-  const auto found = std::ranges::find(drive.plates, tag.name, &SightedPlate::name);
-  if (found != drive.plates.end()) return static_cast<std::size_t>(found - drive.plates.begin());
-  drive.plates.push_back(plate_for(tag, survey));
-  return drive.plates.size() - 1;
-}
-
 // --- the vehicle's own axes ---
 
 // A vehicle of the rig's height that follows the drive, abreast of a place.
@@ -119,11 +112,10 @@ Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Ri
   for (const Observation& row : rows) {
     Station station{row.id, {}, {}};
     for (const SeenTag& seen : row.tags) {
-      const auto camera = std::ranges::find(rig.cameras, seen.camera, &RigCamera::name);
-      if (!seen.seen_corners || seen.at_coded_place || camera == rig.cameras.end()) continue;
-      station.sightings.push_back(sighting_of(
-          *seen.seen_corners, rig, static_cast<std::size_t>(camera - rig.cameras.begin()),
-          plate_index(drive, seen.tag, survey)));
+      const auto camera = camera_index(rig, seen.camera);
+      if (!seen.seen_corners || seen.at_coded_place || !camera) continue;
+      const std::size_t plate = plate_index(drive.plates, plate_for(seen.tag, survey));
+      station.sightings.push_back(sighting_of(*seen.seen_corners, rig, *camera, plate));
     }
     if (station.sightings.empty()) continue;
     drive.stations.push_back(std::move(station));

@@ -66,16 +66,8 @@ std::string csv_row(const Fix& fix, const Measurement& measurement) {
   return fmt::format("{}\n", fmt::join(fields, ","));
 }
 
-const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys) {
-  const auto found = std::ranges::find(surveys, fix.survey, &Survey::name);
-  return found == surveys.end() ? surveys.front() : *found;
-}
-
 std::string tum_row(const Fix& fix, double time, const Grid& grid) {
-  const Attitude& attitude = *fix.attitude;
-  const Pose pose = world_from_vehicle({world_from_grid(grid, *fix.position_in_grid),
-                                        world_heading_from_grid(grid, attitude.heading),
-                                        attitude.pitch, attitude.roll});
+  const Pose pose = world_from_vehicle(fix, grid);
   const Eigen::Quaterniond q(pose.rotation);
   const Eigen::Vector3d& t = pose.translation;
   return fmt::format("{:.6f} {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", time, t.x(),

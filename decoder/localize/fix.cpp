@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tagsmith/geometry/observation_model.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -53,6 +55,17 @@ std::string to_string(const Unchecked& unchecked) {
 }
 
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }
+
+const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys) {
+  const auto found = std::ranges::find(surveys, fix.survey, &Survey::name);
+  return found == surveys.end() ? surveys.front() : *found;
+}
+
+Pose world_from_vehicle(const Fix& fix, const Grid& grid) {
+  return world_from_vehicle({world_from_grid(grid, *fix.position_in_grid),
+                             world_heading_from_grid(grid, fix.attitude->heading),
+                             fix.attitude->pitch, fix.attitude->roll});
+}
 
 Fix if_confirmed(Fix fix) {
   if (!fix.position_in_grid || fix.confirmations > 0) return fix;

@@ -10,7 +10,9 @@
 #include <Eigen/Core>
 
 #include "decoder/image/pixel.hpp"
+#include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/survey/run.hpp"
+#include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
 
@@ -120,6 +122,12 @@ struct Fix {
 
 // "ok" or "no_position".
 std::string status_of(const Fix& fix);
+
+// The survey whose tags were used; without one, the first.
+const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys);
+
+// How a vehicle with a position and an attitude stands in the world of the survey with this grid.
+Pose world_from_vehicle(const Fix& fix, const Grid& grid);
 
 // The fix, or no position with the reason where nothing confirms it.
 Fix if_confirmed(Fix fix);

@@ -51,15 +51,6 @@ SightedPlate plate_of(const SeenTag& seen, const Survey& survey) {
   return plate;
 }
 
-std::size_t plate_index(JointProblem& problem, const SeenTag& seen, const Survey& survey) {
-  const auto found = std::ranges::find(problem.plates, seen.tag.name, &SightedPlate::name);
-  if (found != problem.plates.end()) {
-    return static_cast<std::size_t>(found - problem.plates.begin());
-  }
-  problem.plates.push_back(plate_of(seen, survey));
-  return problem.plates.size() - 1;
-}
-
 NamedProblem problem_for(const Observation& observation, std::size_t survey_index,
                          const Survey& survey, const Rig& rig) {
   NamedProblem named;
@@ -68,11 +59,10 @@ NamedProblem problem_for(const Observation& observation, std::size_t survey_inde
   problem.tunnel = &survey.tunnel;
   for (const SeenTag& seen : observation.tags) {
     if (seen.survey != survey_index || !seen.seen_corners) continue;
-    const auto camera = std::ranges::find(rig.cameras, seen.camera, &RigCamera::name);
-    if (camera == rig.cameras.end()) continue;
-    const auto index = static_cast<std::size_t>(camera - rig.cameras.begin());
-    problem.sightings.push_back(
-        sighting_of(*seen.seen_corners, rig, index, plate_index(problem, seen, survey)));
+    const auto camera = camera_index(rig, seen.camera);
+    if (!camera) continue;
+    const std::size_t plate = plate_index(problem.plates, plate_of(seen, survey));
+    problem.sightings.push_back(sighting_of(*seen.seen_corners, rig, *camera, plate));
     named.seen.push_back(&seen);
   }
   for (const RigRange& range : rig.ranges) {

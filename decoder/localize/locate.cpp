@@ -75,15 +75,6 @@ bool is_settled(const Fix& fix, const std::vector<Look>& looks,
   return seen == static_cast<std::size_t>(whole);  // none of another survey
 }
 
-Pose world_from_vehicle_of(const Fix& fix, const Grid& grid) {
-  VehiclePose vehicle;
-  vehicle.position = world_from_grid(grid, *fix.position_in_grid);
-  vehicle.heading = world_heading_from_grid(grid, fix.attitude->heading);
-  vehicle.pitch = fix.attitude->pitch;
-  vehicle.roll = fix.attitude->roll;
-  return world_from_vehicle(vehicle);
-}
-
 // Whether a point lies in the image, so far from its border as the reader wants bars to be.
 bool is_well_inside(const Camera& camera, const Eigen::Vector2d& pixel) {
   constexpr double kBorder = 12;  // pixels
@@ -119,7 +110,7 @@ bool is_readable(const Camera& camera, const Pose& camera_from_plate, const TagT
 bool misses_any(const Look& look, const Fix& fix, const Survey& survey) {
   const RigCamera& camera = *look.image->camera;
   const Pose camera_from_world =
-      inverse(world_from_vehicle_of(fix, survey.grid) * camera.vehicle_from_camera);
+      inverse(world_from_vehicle(fix, survey.grid) * camera.vehicle_from_camera);
   return std::ranges::any_of(survey.tags, [&](const PlacedTag& tag) {
     const auto is_it = [&](const Reading& reading) { return reading.digits == tag.digits; };
     return is_readable(camera.camera, camera_from_world * tag.world_from_plate,

@@ -10,7 +10,6 @@
 
 #include "decoder/localize/plate_normals.hpp"
 #include "decoder/localize/plate_start.hpp"
-#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
@@ -262,11 +261,7 @@ class Network {
 
   // How far a vehicle is from what is known of it, in standard deviations.
   static Vector6 whitened(const VehiclePrior& prior, const VehiclePose& vehicle) {
-    Vector6 off;
-    off << vehicle.position - prior.mean.position,
-        wrapped_angle(vehicle.heading - prior.mean.heading), vehicle.pitch - prior.mean.pitch,
-        vehicle.roll - prior.mean.roll;
-    return off.cwiseQuotient(prior.sigma);
+    return pose_difference(prior.mean, vehicle).cwiseQuotient(prior.sigma);
   }
 
   // What a station's corners say, whitened. Columns: the vehicle's pose, each plate it sees, the

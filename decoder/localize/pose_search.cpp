@@ -63,12 +63,7 @@ struct SingleFits {
 
 double squared_distance(const JointFit& a, const JointFit& b) {
   const VehicleCovariance spread = a.vehicle_covariance() + b.vehicle_covariance();
-  Eigen::Matrix<double, 6, 1> difference;
-  const VehiclePose& from = a.state.vehicle;
-  const VehiclePose& to = b.state.vehicle;
-  difference << to.position - from.position, wrapped_angle(to.heading - from.heading),
-      to.pitch - from.pitch, to.roll - from.roll;
-  return squared_mahalanobis(difference, spread) / 2;
+  return squared_mahalanobis(pose_difference(a.state.vehicle, b.state.vehicle), spread) / 2;
 }
 
 bool is_same(const JointFit& a, const JointFit& b) {

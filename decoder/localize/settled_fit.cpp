@@ -4,21 +4,8 @@
 #include <algorithm>
 
 #include "tagsmith/base/chi_square.hpp"
-#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
-namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-Vector6 difference(const VehiclePose& from, const VehiclePose& to) {
-  Vector6 apart;
-  apart << to.position - from.position, wrapped_angle(to.heading - from.heading),
-      to.pitch - from.pitch, to.roll - from.roll;
-  return apart;
-}
-
-}  // namespace
 
 SettledFit settled(const JointProblem& problem, const JointFit& fit) {
   constexpr double kBorneOut = 3.1;  // of a normal value: once in a thousand
@@ -37,7 +24,7 @@ SettledFit settled(const JointProblem& problem, const JointFit& fit) {
   if (!said || said->chi_square > chi_square_limit(said->degrees_of_freedom, kBorneOut)) {
     return result;
   }
-  const Vector6 apart = difference(fit.state.vehicle, said->state.vehicle);
+  const Eigen::Matrix<double, 6, 1> apart = pose_difference(fit.state.vehicle, said->state.vehicle);
   const VehicleCovariance square = apart * apart.transpose();
   result.covariance += square;
   result.budget.calibration += square;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/localize/sighting_model.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "decoder/localize/plate_pose.hpp"
+#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -24,6 +28,26 @@ std::array<Vector3d, 4> corners_in_plate(const SightedPlate& plate) {
 }
 
 }  // namespace
+
+std::size_t plate_index(std::vector<SightedPlate>& plates, SightedPlate plate) {
+  const auto found = std::ranges::find(plates, plate.name, &SightedPlate::name);
+  if (found != plates.end()) return static_cast<std::size_t>(found - plates.begin());
+  plates.push_back(std::move(plate));
+  return plates.size() - 1;
+}
+
+std::optional<std::size_t> camera_index(const Rig& rig, std::string_view name) {
+  const RigCamera* camera = find_camera(rig, name);
+  if (camera == nullptr) return std::nullopt;
+  return static_cast<std::size_t>(camera - rig.cameras.data());
+}
+
+Eigen::Matrix<double, 6, 1> pose_difference(const VehiclePose& from, const VehiclePose& to) {
+  Eigen::Matrix<double, 6, 1> difference;
+  difference << to.position - from.position, wrapped_angle(to.heading - from.heading),
+      to.pitch - from.pitch, to.roll - from.roll;
+  return difference;
+}
 
 CalibrationLayout calibration_layout(const Rig& rig) {
   CalibrationLayout layout;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,6 +28,15 @@ struct SightedPlate {
   Eigen::Matrix<double, 6, 1> survey_variance = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 1> coding_variance = Eigen::Matrix<double, 6, 1>::Zero();
 };
+
+// The plate's index among the plates, to which it is added when none of them has its name.
+std::size_t plate_index(std::vector<SightedPlate>& plates, SightedPlate plate);
+
+// The camera's index in the rig; nothing when the rig has none of this name.
+std::optional<std::size_t> camera_index(const Rig& rig, std::string_view name);
+
+// From one pose of the vehicle to another, in the order of vehicle_parameter.
+Eigen::Matrix<double, 6, 1> pose_difference(const VehiclePose& from, const VehiclePose& to);
 
 // A plate's corners in one camera's image, P, F, lower right, Q, as u, v, u, v, ...
 struct Sighting {

@@ -205,11 +205,6 @@ Fix predicted_fix(Fix fix, const VehiclePlace& place, const PlaceCovariance& cov
   return fix;
 }
 
-const Survey& survey_named(const std::vector<Survey>& surveys, const std::string& name) {
-  const auto found = std::ranges::find(surveys, name, &Survey::name);
-  return found == surveys.end() ? surveys.front() : *found;
-}
-
 std::vector<double> times_of(const Run& run) {
   std::vector<double> times;
   for (const Measurement& measurement : run.measurements) times.push_back(*measurement.time);
@@ -257,7 +252,7 @@ Fix fix_in_track(const Job& job, const Track& track, const Step& step,
     return step.confirmed ? confirmed_by_motion(std::move(placed)) : placed;
   }
   const double gap = std::abs(job.times[nearest.row] - job.times[step.row]);
-  const Survey& survey = survey_named(job.surveys, job.fixes[nearest.row].survey);
+  const Survey& survey = survey_of(job.fixes[nearest.row], job.surveys);
   Fix predicted = predicted_fix(fix, place, covariance, gap, survey, job.rig, job.motion);
   predicted.confirmations = job.fixes[nearest.row].confirmations + (nearest.confirmed ? 1 : 0);
   return predicted;

@@ -14,12 +14,10 @@ std::vector<SightedTag> sighted_in(const Observation& row, std::size_t number, s
                                    const Rig& rig) {
   std::vector<SightedTag> sighted;
   for (const SeenTag& seen : row.tags) {
-    const auto camera = std::ranges::find(rig.cameras, seen.camera, &RigCamera::name);
+    const auto camera = camera_index(rig, seen.camera);
     const bool tells = seen.survey == survey && seen.seen_corners && !seen.at_coded_place;
-    if (!tells || camera == rig.cameras.end()) continue;
-    sighted.push_back({std::to_string(number),
-                       static_cast<std::size_t>(camera - rig.cameras.begin()), seen.tag.name,
-                       *seen.seen_corners});
+    if (!tells || !camera) continue;
+    sighted.push_back({std::to_string(number), *camera, seen.tag.name, *seen.seen_corners});
   }
   return sighted;
 }
