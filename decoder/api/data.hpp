@@ -72,28 +72,19 @@ FrameCorners frame_corners_from(const Corners& corners);
 Vector3 vector_from(const Eigen::Vector3d& vector);
 Eigen::Vector3d eigen_from(const Vector3& vector);
 
+template <std::size_t N, Eigen::StorageOptions Order = Eigen::ColMajor>
+using SquareMatrix = Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N), Order>;
+
 template <std::size_t N>
-tagsmith::Matrix<N> matrix_from(
-    const Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)>& matrix) {
+tagsmith::Matrix<N> matrix_from(const SquareMatrix<N>& matrix) {
   tagsmith::Matrix<N> rows{};
-  for (std::size_t i = 0; i < N; ++i) {
-    for (std::size_t j = 0; j < N; ++j) {
-      rows[i][j] = matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-    }
-  }
+  Eigen::Map<SquareMatrix<N, Eigen::RowMajor>>(rows.front().data()) = matrix;
   return rows;
 }
 
 template <std::size_t N>
-Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)> eigen_from(
-    const tagsmith::Matrix<N>& rows) {
-  Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)> matrix;
-  for (std::size_t i = 0; i < N; ++i) {
-    for (std::size_t j = 0; j < N; ++j) {
-      matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows[i][j];
-    }
-  }
-  return matrix;
+SquareMatrix<N> eigen_from(const tagsmith::Matrix<N>& rows) {
+  return Eigen::Map<const SquareMatrix<N, Eigen::RowMajor>>(rows.front().data());
 }
 
 }  // namespace tagsmith::detail
