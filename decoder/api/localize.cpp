@@ -151,7 +151,6 @@ struct Localizer::State {
   LocalizerOptions options;
   std::optional<detail::LiveTrack> motion{};
   detail::PictureMemory pictures{};
-  std::size_t tracked = 0;  // measurements
 
   Fix answer(detail::Fix fix) const {
     return fix_from(options.confirmed_only ? if_confirmed(std::move(fix)) : fix);
@@ -184,8 +183,9 @@ Fix Localizer::track(const Measurement& measurement) {
   const detail::Rig& rig = state_->rig.data().rig;
   std::optional<detail::LiveTrack>& motion = state_->motion;
   detail::Observation observation = observation_from(measurement, surveys, rig);
+  observation.time = measurement.time;
   const std::vector<detail::CameraImage> images =
-      state_->pictures.new_ones(images_from(measurement, rig), ++state_->tracked, observation);
+      state_->pictures.new_ones(images_from(measurement, rig), observation);
   const auto prior = measurement.time && motion
                          ? prior_at(*motion, *measurement.time, surveys, detail::MotionModel{})
                          : std::nullopt;

@@ -59,13 +59,15 @@ Result<Input> load(const CalibrateMountingOptions& options) {
   return Input{std::move(*survey), std::move(*rig), std::move(*run)};
 }
 
-std::vector<Observation> observe_all(const Input& input, int jobs) {
+// `surveys` must outlive the result.
+std::vector<Observation> observe_all(const Input& input, const std::vector<Survey>& surveys,
+                                     int jobs) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx, false};
   std::vector<Observation> rows(measurements.size());
   ProgressBar progress("measurements", measurements.size());
   run_in_order(measurements.size(), jobs, [&](std::size_t i) -> Delivery {
-    rows[i] = observe(measurements[i], {input.survey}, input.rig, reader);
+    rows[i] = observe(measurements[i], surveys, input.rig, reader);
     return [&progress] { progress.advance([] {}); };
   });
   return rows;
@@ -200,13 +202,14 @@ std::string camera_of_other_side(const MountingFit& fit, const Rig& rig) {
 int calibrate_mounting(const CalibrateMountingOptions& options) {
   const Result<Input> input = load(options);
   if (!input) return report_failure(kCalibrate, input.error());
-  std::vector<Observation> rows = observe_all(*input, options.jobs);
+  const std::vector<Survey> surveys{input->survey};
+  std::vector<Observation> rows = observe_all(*input, surveys, options.jobs);
   leave_out_repeated(rows);
   const auto refuse = [&](const std::string& why) {
     to_stderr("tagsmith {}: {}: {}\n", kCalibrate, options.run.string(), why);
     return kExitFindings;
   };
-  const std::string exchanged = leave_out_exchanged(rows, {input->survey}, input->rig);
+  const std::string exchanged = leave_out_exchanged(rows, surveys, input->rig);
   if (!exchanged.empty()) return refuse(exchanged);
   const Result<MountingFit> fit = fit_mounting(rows, input->survey, input->rig);
   if (!fit) return refuse(fit.error().message);

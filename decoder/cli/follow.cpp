@@ -167,11 +167,10 @@ int follow(const FollowInput& input) {
     if (too_long) std::cin.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
     if (line->find_first_not_of(" \t\r") == std::string::npos) continue;
     const Json object = too_long ? Json() : Json::parse(*line, nullptr, false);
-    Result<Measurement> measurement =
+    const Result<Measurement> measurement =
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
-      measurement->line = number;
       const Fix fix = locate(*measurement, input, run, track);
       all_located = all_located && fix.position_in_grid.has_value();
       answer = fix_json_line(fix, *measurement, input.explain);

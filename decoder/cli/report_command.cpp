@@ -59,8 +59,8 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   }
 }
 
-// All lines of all files, in turn; fails where there is none. `tell`: says how many lines were left
-// out.
+// All lines of all files, in turn; fails where there is no line. `tell`: says how many lines were
+// left out.
 Result<void> read_all(const ReportOptions& options, const std::function<void(VerifiedFile)>& take,
                       bool tell = false) {
   std::size_t lines = 0;
@@ -73,7 +73,7 @@ Result<void> read_all(const ReportOptions& options, const std::function<void(Ver
           fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
     }
     if (tell) tell_broken_lines(file, *counts);
-    lines += counts->files;
+    lines += counts->files + counts->broken;
   }
   if (lines == 0) return fail(options.files.front() + ": has no line of `verify --json`");
   return {};

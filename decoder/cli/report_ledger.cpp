@@ -264,8 +264,7 @@ Result<int> report_ledger(const LedgerOptions& options) {
   }
   const bool is_well = std::ranges::all_of(
       kNow, [&](PlateAction action) { return plates_to(action, *survey, *report).empty(); });
-  const bool knows_any = report->newest.has_value();
-  return is_well && knows_any ? kExitOk : kExitFindings;
+  return is_well ? kExitOk : kExitFindings;
 }
 
 }  // namespace tagsmith::detail

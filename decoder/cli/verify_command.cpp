@@ -427,20 +427,6 @@ void add_files(const VerifyCommandOptions& options, const Survey& survey,
   files.writes_into(options.annotate, "--annotate");
 }
 
-// Copies among the photos would be read by the next run as photos of their own.
-Result<void> check_annotate(const VerifyCommandOptions& options,
-                            const std::vector<fs::path>& listed) {
-  std::error_code ignored;
-  if (options.annotate.empty()) return {};
-  for (const fs::path& file : listed) {
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    if (!fs::equivalent(folder, options.annotate, ignored)) continue;
-    return fail("--annotate " + options.annotate +
-                ": holds files that are read; give the copies another folder");
-  }
-  return {};
-}
-
 Result<int> run(VerifyCommandOptions options) {
   if (options.files.empty() && options.hanging.run.empty()) {
     return fail("FILE is required: photos, print files, folders of them");
@@ -458,9 +444,6 @@ Result<int> run(VerifyCommandOptions options) {
   if (!also) return fail(also.error().message);
   add_files(options, *survey, *also, list->files, files);
   if (const auto usable = files.check(); !usable) return fail(usable.error().message);
-  if (const auto apart = check_annotate(options, list->files); !apart) {
-    return fail(apart.error().message);
-  }
   options.named = &files;
   if (const auto ready = prepare_to_append(options.resume); !ready) {
     return fail(ready.error().message);

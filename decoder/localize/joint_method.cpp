@@ -546,7 +546,7 @@ Fix without_tags(const Observation& observation) {
   Fix fix;
   for (const SeenTag& seen : observation.tags) fix.tags.push_back(seen.tag.name);
   fix.reason = observation.tags.empty()
-                   ? "no tag was seen"
+                   ? observation.has_left_out ? "no other picture shows a tag" : "no tag was seen"
                    : "only distances to tags were measured, which --method paper can use";
   return fix;
 }

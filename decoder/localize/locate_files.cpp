@@ -11,6 +11,7 @@ namespace tagsmith::detail {
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior, PictureMemory* memory) {
   Observation observation{measurement.id, {}, measurement.ranges, {}};
+  observation.time = measurement.time;
   std::deque<GrayImage> loaded;
   std::vector<CameraImage> images;
   for (const RigCamera& camera : rig.cameras) {
@@ -21,10 +22,7 @@ Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, c
     loaded.push_back(std::move(*image));
     images.push_back({&camera, loaded.back().view(), seen->second.image.string()});
   }
-  if (memory != nullptr) {
-    const auto line = static_cast<std::size_t>(measurement.line);
-    images = memory->new_ones(images, line, observation);
-  }
+  if (memory != nullptr) images = memory->new_ones(images, observation);
   return locate_with(std::move(observation), images, surveys, rig, prior);
 }
 

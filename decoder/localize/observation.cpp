@@ -205,6 +205,7 @@ void leave_out_pictures(Observation& observation, const std::set<std::string>& c
   std::erase_if(observation.parts,
                 [&](const SeenPart& seen) { return cameras.contains(seen.camera); });
   observation.faults.push_back(std::move(fault));
+  observation.has_left_out = true;
 }
 
 }  // namespace tagsmith::detail

@@ -62,7 +62,9 @@ struct Observation {
   std::map<std::string, double> ranges;  // by the rig's range names, metres
   std::vector<std::string> faults;       // unreadable images, images without a tag, unknown tags
   std::vector<SeenPart> parts{};         // say where the vehicle is only together with other tags
+  std::optional<double> time{};          // seconds, where it is known
   bool lacks_picture = false;            // one that was named could not be read
+  bool has_left_out = false;             // a picture was read and is not used; a fault says why
   std::map<std::string, std::uint64_t> pictures{};  // fingerprint (repeated_pictures.hpp) by camera
 };
 

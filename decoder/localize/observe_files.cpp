@@ -48,6 +48,7 @@ Observation observe(const Measurement& measurement, const std::vector<Survey>& s
                     const Rig& rig, const ReaderChoice& reader,
                     const std::optional<PosePrior>& prior) {
   Observation observation{measurement.id, {}, measurement.ranges, {}};
+  observation.time = measurement.time;
   for (const RigCamera& camera : rig.cameras) {
     const auto seen = measurement.cameras.find(camera.name);
     if (seen == measurement.cameras.end()) continue;

@@ -29,20 +29,21 @@ std::uint64_t fingerprint(const GrayView& picture) {
 }
 
 std::vector<CameraImage> PictureMemory::new_ones(std::span<const CameraImage> images,
-                                                 std::size_t measurement,
                                                  Observation& observation) {
+  if (!observation.time) return {images.begin(), images.end()};
   std::vector<CameraImage> kept;
   for (const CameraImage& image : images) {
     const std::uint64_t picture = fingerprint(image.image);
     const auto earlier = std::ranges::find(seen_, picture, &Seen::picture);
     if (earlier == seen_.end()) {
-      seen_.push_back({picture, measurement});
+      seen_.push_back({picture, *observation.time});
       if (seen_.size() > kMostRemembered) seen_.pop_front();
-    } else if (earlier->measurement != measurement) {
+    } else if (earlier->time != *observation.time) {
       observation.faults.push_back(
-          fmt::format("{}: not used, an earlier measurement has the same picture; does camera {} "
-                      "deliver new ones?",
+          fmt::format("{}: not used, a measurement of another time has the same picture; does "
+                      "camera {} deliver new ones?",
                       image.name, image.camera->name));
+      observation.has_left_out = true;
       continue;
     }
     kept.push_back(image);
@@ -57,17 +58,20 @@ void leave_out_repeated(std::vector<Observation>& rows) {
   };
   std::map<std::uint64_t, std::vector<Place>> places;
   for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (const auto& [camera, picture] : rows[row].pictures)
+    if (!rows[row].time) continue;
+    for (const auto& [camera, picture] : rows[row].pictures) {
       places[picture].push_back({row, camera});
+    }
   }
   for (const auto& [picture, alike] : places) {
-    if (alike.size() < 2) continue;
     for (const Place& place : alike) {
-      const Place& other = alike[&place == &alike.front() ? 1 : 0];
+      const auto other = std::ranges::find_if(
+          alike, [&](const Place& at) { return rows[at.row].time != rows[place.row].time; });
+      if (other == alike.end()) continue;
       leave_out_pictures(
           rows[place.row], {place.camera},
           fmt::format("the picture of camera {} is not used: camera {} has the same one in row {}",
-                      place.camera, other.camera, rows[other.row].id));
+                      place.camera, other->camera, rows[other->row].id));
     }
   }
 }

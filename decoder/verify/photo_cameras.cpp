@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <system_error>
 
 #include "tagsmith/geometry/angle.hpp"
@@ -46,13 +47,17 @@ bool stands_level(const Rig& rig) {
 
 PhotoCameras PhotoCameras::by_run(const Rig& rig, const Run& run) {
   PhotoCameras result;
+  std::set<std::filesystem::path> named_twice;
   for (const Measurement& row : run.measurements) {
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
       const auto seen = row.cameras.find(rig.cameras[i].name);
       if (seen == row.cameras.end() || seen->second.image.empty()) continue;
-      result.known_[absolute_name(seen->second.image)] = {i, "row " + row.id, row.time};
+      const PhotoOrigin origin{i, "row " + row.id, row.time};
+      const std::filesystem::path photo = absolute_name(seen->second.image);
+      if (!result.known_.emplace(photo, origin).second) named_twice.insert(photo);
     }
   }
+  for (const std::filesystem::path& photo : named_twice) result.known_.erase(photo);
   return result;
 }
 

@@ -26,7 +26,8 @@ bool stands_level(const Rig& rig);
 
 class PhotoCameras {
  public:
-  // By a run: a row's photos were taken together; other photos have no origin.
+  // By a run: a row's photos were taken together. Other photos, and those that several rows name,
+  // have no origin.
   static PhotoCameras by_run(const Rig& rig, const Run& run);
 
   // All by one camera, each by itself. Fails when the rig has no camera of this name.

@@ -255,8 +255,8 @@ std::vector<CommandOption> paper_options(PrintOptions& options) {
                    "plates a page as it holds (default: the page is one plate with its margin)"),
       flag("--tile", &options.style.tiled,
            "Plates in pieces on several sheets of the paper, with an assembly sheet"),
-      length_option("--overlap", options.style.overlap, "Of neighbouring tiles, mm (default: 10)",
-                    5, 50),
+      needing({"--tile"}, length_option("--overlap", options.style.overlap,
+                                        "Of neighbouring tiles, mm (default: 10)", 5, 50)),
       length_option("--bleed", options.style.bleed,
                     "How far crop marks and bleed box stand off the plate, mm (default: 3)", 0,
                     20)};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -19,6 +20,7 @@
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
+#include "tagsmith/render/logo.hpp"
 #include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/finding_log.hpp"
@@ -57,6 +59,21 @@ bool collect(const Result<Diagnosed<T>>& reading, Findings& findings) {
   findings.diagnostics.insert(findings.diagnostics.end(), reading->diagnostics.begin(),
                               reading->diagnostics.end());
   return true;
+}
+
+// A logo that is there and cannot be drawn: print would stop at it.
+void check_logo(const TagTemplate& tag, Findings& findings) {
+  std::error_code absent;
+  const LogoStyle& logo = tag.logo;
+  if (logo.file.empty() || !std::filesystem::exists(logo.file, absent)) return;
+  const Result<LogoDrawing> drawn = load_logo(logo.file, logo.width, logo.height);
+  if (drawn) return;
+  Diagnostic finding;
+  finding.file = tag.file.string();
+  finding.code = "no-logo";
+  finding.message = drawn.error().message;
+  finding.hint = "save the logo as a plain SVG file";
+  findings.diagnostics.push_back(std::move(finding));
 }
 
 std::string unseen_words(const Survey& survey, const Rig& rig, std::size_t tag) {
@@ -126,9 +143,9 @@ Findings validate(const ValidateOptions& options) {
   std::vector<Rig> rigs;
   for (const std::string& path : options.surveys) {
     Result<Diagnosed<Survey>> reading = read_survey(path);
-    if (collect(reading, findings) && reading->value) {
-      surveys.push_back(std::move(*reading->value));
-    }
+    if (!collect(reading, findings) || !reading->value) continue;
+    check_logo(reading->value->tag_template, findings);
+    surveys.push_back(std::move(*reading->value));
   }
   const std::vector<Diagnostic> together = check_together(surveys);
   findings.diagnostics.insert(findings.diagnostics.end(), together.begin(), together.end());
@@ -140,7 +157,10 @@ Findings validate(const ValidateOptions& options) {
   findings.assumed = assumptions(surveys, Rig{});
   for (const Rig& rig : rigs)
     std::ranges::move(assumed_calibration(rig), std::back_inserter(findings.assumed));
-  for (const std::string& path : options.templates) collect(read_template(path), findings);
+  for (const std::string& path : options.templates) {
+    const Result<Diagnosed<TagTemplate>> reading = read_template(path);
+    if (collect(reading, findings) && reading->value) check_logo(*reading->value, findings);
+  }
   return findings;
 }
 

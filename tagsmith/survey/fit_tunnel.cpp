@@ -39,10 +39,6 @@ std::optional<int> side_of(PointKind kind) {
   }
 }
 
-std::string point_text(const SurveyedPoint& point) {
-  return fmt::format("line {}: point {} ({})", point.line, point.name, to_string(point.kind));
-}
-
 // ---- The floor: its height over the chainage.
 
 double rms(const VectorXd& values) {
@@ -315,7 +311,7 @@ Error misfit_error(const std::vector<SurveyedPoint>& points, const std::vector<P
           : fmt::format("the best fit of at most {} lines and arcs", kMostFittedElements),
       fit.width);
   for (std::size_t i = 0; i < std::min(kMostNamed, off.size()); ++i) {
-    text += fmt::format("\n  {}: {:+.3f} m", point_text(points[fitted[off[i]].index]),
+    text += fmt::format("\n  {}: {:+.3f} m", in_words(points[fitted[off[i]].index]),
                         fit.residuals[off[i]]);
   }
   if (off.size() > kMostNamed) text += fmt::format("\n  and {} more", off.size() - kMostNamed);
@@ -539,7 +535,7 @@ Result<ChainageProfile> wall_through(const std::vector<SurveyedPoint>& points, c
     if (side_of(point.kind) != wanted) continue;
     const CenterlineAddress address = line.locate(world_from_grid(grid, point.in_grid).head<2>());
     if (wanted * address.offset <= 0) {
-      return fail(point_text(point) + " lies on the other side of the center line");
+      return fail(in_words(point) + " lies on the other side of the center line");
     }
     if (!hangs_on_wall(point, grid, line.at(address.chainage).heading)) continue;
     stations.push_back({address.chainage, address.offset});
@@ -651,7 +647,7 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   Eigen::Index worst = 0;
   if (floor.ups.cwiseAbs().maxCoeff(&worst) > options.floor_tolerance) {
     return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
-                            point_text(points[on_floor[static_cast<std::size_t>(worst)].index]),
+                            in_words(points[on_floor[static_cast<std::size_t>(worst)].index]),
                             floor.ups[worst], options.floor_tolerance));
   }
   fit.rms_across = rms(Eigen::Map<const VectorXd>(

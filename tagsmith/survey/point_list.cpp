@@ -461,4 +461,8 @@ Result<Diagnosed<PointList>> read_point_list(const std::filesystem::path& path,
   return reading;
 }
 
+std::string in_words(const SurveyedPoint& point) {
+  return fmt::format("line {}: point {} ({})", point.line, point.name, to_string(point.kind));
+}
+
 }  // namespace tagsmith::detail

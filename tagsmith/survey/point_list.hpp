@@ -49,6 +49,9 @@ struct SurveyedPoint {
   std::optional<Eigen::Vector3d> design_in_grid;
 };
 
+// "line 30: point 30 (right wall)".
+std::string in_words(const SurveyedPoint& point);
+
 // TL, TR or the name of a tag.
 inline bool is_tag(const SurveyedPoint& point) {
   return point.kind == PointKind::left_tag || point.kind == PointKind::right_tag;

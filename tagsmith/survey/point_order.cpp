@@ -44,7 +44,7 @@ double way_along(const Points& points) {
 
 // The points near a detour without which there is none: those that leave about the shortest way.
 Points culprits(const Points& points, std::size_t detour) {
-  constexpr double kAboutAsShort = 1.5;
+  constexpr double kAboutAsShort = 1.1;
   struct Culprit {
     const SurveyedPoint* point = nullptr;
     double way = 0;  // along the others
@@ -67,9 +67,7 @@ Points culprits(const Points& points, std::size_t detour) {
 
 std::string names_of(const Points& points) {
   std::vector<std::string> names;
-  for (const SurveyedPoint* point : points) {
-    names.push_back(fmt::format("{} (line {})", point->name, point->line));
-  }
+  for (const SurveyedPoint* point : points) names.push_back(in_words(*point));
   return fmt::format("{}", fmt::join(names, " or "));
 }
 
@@ -87,8 +85,8 @@ Result<void> check_order(const std::vector<SurveyedPoint>& points) {
     const Points wrong = culprits(of_kind, *detour);
     const SurveyedPoint& at = *of_kind[*detour];
     return fail(fmt::format(
-        "the points of one kind run back at {}, expected in order along the drive; {}",
-        names_of({&at}),
+        "the points of one kind run back at {}; expected in order along the drive; {}",
+        in_words(at),
         wrong.empty() ? std::string("list the points of each kind along the drive")
                       : "compare the coordinates of " + names_of(wrong) +
                             " with the field book: without it the others run along the drive"));

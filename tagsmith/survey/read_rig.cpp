@@ -217,7 +217,9 @@ VehicleEnvelope read_envelope(const YamlNode* node, FindingLog& log) {
   return envelope;
 }
 
-void read_vehicle(const MapReader& map, Rig& rig) {
+void read_vehicle(const YamlNode* node, Rig& rig, FindingLog& log) {
+  const MapReader map(node, "vehicle",
+                      {"height", "roll_sigma", "pitch_sigma", "height_sigma", "envelope"}, log);
   const NumberRange sigma = above_zero(45, "degrees");
   rig.vehicle_height = map.number("height", between(-kLargestVehicle, kLargestVehicle, "m"),
                                   "height: of the vehicle's centre O above the floor")
@@ -249,9 +251,7 @@ Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
         if (auto range = read_range(node, name, log)) rig.ranges.push_back(*range);
       },
       log);
-  read_vehicle(MapReader(file.need("vehicle", "vehicle: { height: 0.24 }"), "vehicle",
-                         {"height", "roll_sigma", "pitch_sigma", "height_sigma", "envelope"}, log),
-               rig);
+  read_vehicle(file.need("vehicle", "vehicle: { height: 0.24 }"), rig, log);
   if (!log.has_errors()) check_columns(rig, file);
   return rig;
 }

@@ -8,8 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/printable.hpp"
@@ -217,26 +215,11 @@ std::optional<std::vector<std::string>> read_line(std::string_view line, int num
   return fields;
 }
 
-// `photos`: those of the lines so far, each with its line.
-void check_photos(const Measurement& measurement, std::map<fs::path, int>& photos, int line,
-                  FindingLog& log) {
-  for (const auto& [camera, seen] : measurement.cameras) {
-    if (seen.image.empty()) continue;
-    const auto [first, is_new] = photos.emplace(seen.image.lexically_normal(), line);
-    if (is_new) continue;
-    log.error({line, 0}, "duplicate-photo",
-              fmt::format("{} names the photo {} a second time, the first is on line {}", camera,
-                          seen.image.filename().string(), first->second),
-              "a photo is taken once, by one camera");
-  }
-}
-
 std::vector<Measurement> read_rows(std::string_view text, const fs::path& path, const Rig& rig,
                                    FindingLog& log) {
   std::vector<Measurement> measurements;
   std::optional<Columns> columns;
   std::map<std::string, int> ids;
-  std::map<fs::path, int> photos;
   int number = 0;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -266,7 +249,6 @@ std::vector<Measurement> read_rows(std::string_view text, const fs::path& path, 
                 "the id `" + measurement.id.substr(0, 60) +
                     "` a second time, the first is on line " + std::to_string(first->second));
     }
-    check_photos(measurement, photos, number, log);
     measurements.push_back(std::move(measurement));
   }
   if (!columns && !log.has_errors())

@@ -26,7 +26,7 @@ std::string photos(const std::string& photo, int count) {
 }  // namespace
 
 TEST_CASE("Ctrl-C ends every long command at once and leaves nothing half") {
-  const TemporaryFolder folder;
+  const TemporaryFolder folder, photos_folder;
   const fs::path survey = folder.path() / "survey.yaml";
   std::ofstream(survey)
       << "survey: long\ntunnel: { width: 3, height: 3, centerline: { start: [0, 0, 0], heading: 0, "
@@ -37,8 +37,9 @@ TEST_CASE("Ctrl-C ends every long command at once and leaves nothing half") {
   std::ofstream rows(run);
   rows << "id,left,d,truth_x,truth_y,truth_z\n";
   for (int i = 0; i < 2000; ++i) {
-    rows << i << "," << fs::absolute("surveys/corridor/photos/corridor_01_left.jpg").string()
-         << ",0.9,1.0,0.0,0.24\n";
+    const fs::path photo = photos_folder.path() / (std::to_string(i) + ".jpg");
+    fs::create_symlink(fs::absolute("surveys/corridor/photos/corridor_01_left.jpg"), photo);
+    rows << i << "," << photo.string() << ",0.9,1.0,0.0,0.24\n";
   }
   rows.close();
   const std::string rig = " --rig surveys/corridor/rig.yaml";

@@ -70,41 +70,54 @@ TEST_CASE("photos of two places give no position, however many tags one of them 
     }
   }
   CHECK(pairs > 60);
-  CHECK(with_several > 20);
+  CHECK(with_several >= 20);
 }
 
 TEST_CASE("two photos that agree outvote a third one") {
   Site site = site_named("corridor");
-  site.rig.cameras.push_back(site.rig.cameras.front());
+  site.rig.cameras.push_back(*find_camera(site.rig, "left"));
   site.rig.cameras.back().name = "second";
-  const VehiclePose truth = pose_at(site, 3, 0.1);
-  Observation observation = mixed(site, 3, 4.4);
-  for (SeenTag seen : tags_of(observation, site.rig.cameras.front().name)) {
-    seen.camera = "second";
-    observation.tags.push_back(std::move(seen));
+  site.rig.cameras.back().side = Side::left;
+  int located = 0;
+  for (double chainage = 0; chainage < 5; chainage += 0.5) {
+    Observation observation = mixed(site, chainage, chainage + 1.3);
+    const std::vector<SeenTag> left = tags_of(observation, "left");
+    // Plates have their votes too.
+    if (left.size() <= tags_of(observation, "right").size()) continue;
+    for (SeenTag seen : left) {
+      seen.camera = "second";
+      observation.tags.push_back(std::move(seen));
+    }
+    const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+    CHECK(error_of(fix, site, pose_at(site, chainage, 0.1)) < 1e-3);
+    ++located;
   }
-  const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
-  REQUIRE(fix.position_in_grid);
-  CHECK(error_of(fix, site, truth) < 1e-3);
+  CHECK(located > 0);
 }
 
 TEST_CASE("pictures that an earlier measurement had are left out while the vehicle drives") {
-  const RigCamera left{.name = "left"}, right{.name = "right"};
+  RigCamera left, right;
+  left.name = "left";
+  right.name = "right";
   const GrayImage first = picture_of(1), second = picture_of(2), third = picture_of(3);
   PictureMemory memory;
-  Observation one, two, three;
+  Observation one, two, three, timeless;
+  one.time = 1;
+  two.time = 2;
+  three.time = 3;
   const std::vector<CameraImage> at_first{{&left, first.view(), "a"}, {&right, second.view(), "b"}};
-  CHECK(memory.new_ones(at_first, 1, one).size() == 2);
-  CHECK(memory.new_ones(at_first, 1, one).size() == 2);  // the same measurement once more
+  CHECK(memory.new_ones(at_first, one).size() == 2);
+  CHECK(memory.new_ones(at_first, one).size() == 2);  // the same measurement once more
   CHECK(one.faults.empty());
+  CHECK(memory.new_ones(at_first, timeless).size() == 2);
   const std::vector<CameraImage> later{{&left, first.view(), "c"}, {&right, third.view(), "d"}};
-  const auto kept = memory.new_ones(later, 2, two);
+  const auto kept = memory.new_ones(later, two);
   REQUIRE(kept.size() == 1);
   CHECK(kept.front().name == "d");
   REQUIRE(two.faults.size() == 1);
   CHECK(two.faults.front().starts_with("c: not used"));
   // A picture of the other camera.
-  CHECK(memory.new_ones(std::vector<CameraImage>{{&right, first.view(), "e"}}, 3, three).empty());
+  CHECK(memory.new_ones(std::vector<CameraImage>{{&right, first.view(), "e"}}, three).empty());
 }
 
 TEST_CASE("fingerprints tell pictures apart by a single grey level, and by their size") {
@@ -115,12 +128,13 @@ TEST_CASE("fingerprints tell pictures apart by a single grey level, and by their
   CHECK(fingerprint(turned.view()) != fingerprint(picture_of(100).view()));
 }
 
-TEST_CASE("of rows that share a picture none is located by it") {
+TEST_CASE("of rows of several times that share a picture none is located by it") {
   const Site site = site_named("corridor");
   std::vector<Observation> rows;
   for (const double chainage : {2.0, 3.0, 4.0}) {
     rows.push_back(observation_at(site, pose_at(site, chainage, 0.1)));
     rows.back().id = std::to_string(rows.size());
+    rows.back().time = static_cast<double>(rows.size());
     rows.back().pictures = {{"left", rows.size()}, {"right", 10 + rows.size()}};
   }
   rows[2].pictures["left"] = rows[0].pictures["left"];
@@ -132,6 +146,9 @@ TEST_CASE("of rows that share a picture none is located by it") {
   REQUIRE(rows[2].faults.size() == 1);
   CHECK(rows[2].faults.front() ==
         "the picture of camera left is not used: camera left has the same one in row 1");
+  std::vector<Observation> of_one_time(2, rows[1]);
+  leave_out_repeated(of_one_time);
+  CHECK_FALSE(tags_of(of_one_time[1], "left").empty());
 }
 
 TEST_CASE("exchanged photos of two cameras are told, and locate nothing") {

@@ -25,16 +25,20 @@ using tagsmith::detail::test::parsed_json;
 using tagsmith::detail::test::ProgramOutput;
 using tagsmith::detail::test::run_tagsmith;
 using tagsmith::detail::test::TemporaryFolder;
+using tagsmith::detail::test::with_other_noise;
 namespace fs = std::filesystem;
 
 namespace {
 
 // The vehicle stands at the corridor's first point; then it sees nothing for a tenth of a second.
-std::string run_with_times() {
+// Two rows of the same place, with photos in `folder`, and one that saw nothing.
+std::string run_with_times(const fs::path& folder) {
   const std::string photos = fs::absolute("surveys/corridor/photos").string();
-  const std::string images = photos + "/corridor_01_left.jpg," + photos + "/corridor_01_right.jpg";
-  return "id,left,right,time,truth_x,truth_y,truth_z\na," + images + ",10.0,1.0,-0.5,0.24\nb," +
-         images + ",10.4,1.0,-0.5,0.24\nc,,,10.5,1.0,-0.5,0.24\n";
+  const std::string left = photos + "/corridor_01_left.jpg";
+  const std::string right = photos + "/corridor_01_right.jpg";
+  return "id,left,right,time,truth_x,truth_y,truth_z\na," + left + "," + right +
+         ",10.0,1.0,-0.5,0.24\nb," + with_other_noise(folder, left) + "," +
+         with_other_noise(folder, right) + ",10.4,1.0,-0.5,0.24\nc,,,10.5,1.0,-0.5,0.24\n";
 }
 
 }  // namespace
@@ -92,7 +96,7 @@ TEST_CASE("calibrated cameras, one a fisheye: what is simulated is read and loca
 TEST_CASE("a run as trajectory, table and drawing") {
   const TemporaryFolder folder;
   const fs::path run = folder.path() / "run.csv";
-  file_with(run, run_with_times());
+  file_with(run, run_with_times(folder.path()));
   const std::string at = "'" + folder.path().string();
   const ProgramOutput output =
       run_tagsmith(on_survey("corridor", "'" + run.string() + "'") + " --csv " + at +
@@ -164,7 +168,7 @@ TEST_CASE("--smooth with --explain is refused: no option is dropped in silence")
 TEST_CASE("--smooth predicts what the cameras did not see") {
   const TemporaryFolder folder;
   const fs::path run = folder.path() / "run.csv";
-  file_with(run, run_with_times());
+  file_with(run, run_with_times(folder.path()));
   const ProgramOutput output =
       run_tagsmith(on_survey("corridor", "'" + run.string() + "'") + " --smooth --json");
   CAPTURE(output.out + output.err);

@@ -42,14 +42,15 @@ std::string named(const std::vector<SurveyedPoint>& points) {
 
 TEST_CASE("a coordinate with two digits exchanged is named") {
   CHECK(named(wall_at({0, 5, 10, 15, 20})) == "in order");
-  CHECK(named(wall_at({0, 5, 50, 15, 20})) == "3 (line 3)");
-  CHECK(named(wall_at({0, 50, 10, 15, 20})) == "2 (line 2)");
-  CHECK(named(wall_at({0, 50, 10})) == "2 (line 2)");
+  CHECK(named(wall_at({0, 5, 50, 15, 20})) == "line 3: point 3 (left wall)");
+  CHECK(named(wall_at({0, 50, 10, 15, 20})) == "line 2: point 2 (left wall)");
+  CHECK(named(wall_at({0, 50, 10})) == "line 2: point 2 (left wall)");
   CHECK(named(wall_at({50, 5, 10, 15, 20})) == "in order");  // a gap, as far as anybody can tell
 }
 
 TEST_CASE("where one of two points may be wrong both are named") {
-  CHECK(named(wall_at({0, 5, 1, 15, 20})) == "2 (line 2) or 3 (line 3)");
+  CHECK(named(wall_at({0, 5, 1, 15, 20})) ==
+        "line 2: point 2 (left wall) or line 3: point 3 (left wall)");
 }
 
 TEST_CASE("a list that is in no order has no single culprit") {

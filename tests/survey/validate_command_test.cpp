@@ -35,6 +35,34 @@ TEST_CASE("validate passes the shipped surveys and says so on standard error onl
   CHECK(output.err == "5 files: 0 errors, 0 warnings\n");
 }
 
+TEST_CASE("a logo that print could not draw is an error of its template") {
+  const TemporaryFolder folder;
+  const std::string text = "logo: { file: logo.svg, size_mm: [40, 20] }\n" + right_template();
+  const std::string file = write_text(folder.path() / "logo.yaml", text).string();
+  write_text(folder.path() / "logo.svg", "no drawing");
+  const ProgramOutput broken = run_tagsmith("validate --json --template " + file);
+  CHECK(broken.exit_code == 1);
+  CHECK(finding_of(broken, file, "no-logo")["severity"] == "error");
+  write_text(folder.path() / "logo.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 4 2'>"
+             "<rect width='4' height='2'/></svg>");
+  CHECK(finding_of(run_tagsmith("validate --json --template " + file), file, "no-logo").is_null());
+}
+
+TEST_CASE("a decimal comma in braces is mended by a point") {
+  const TemporaryFolder folder;
+  std::string text = right_rig();
+  const std::size_t at = text.find("height: 0.24");
+  REQUIRE(at != std::string::npos);
+  text.replace(at, 12, "height: 0,24");
+  const std::string file = write_text(folder.path() / "rig.yaml", text).string();
+  const json finding =
+      finding_of(run_tagsmith("validate --json --rig " + file), file, "decimal-comma");
+  CHECK(finding["hint"] == "write 0.24: the decimal sign is a point");
+  CHECK(run_tagsmith("validate --fix --rig " + file).exit_code == 0);
+  CHECK(run_tagsmith("validate --rig " + file).exit_code == 0);
+}
+
 TEST_CASE("validate --rig names the tags that no camera of the rig can see") {
   const TemporaryFolder folder;
   const std::string rig = "surveys/corridor/rig.yaml";
