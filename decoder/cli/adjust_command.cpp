@@ -245,6 +245,9 @@ Result<int> run(const AdjustOptions& options) {
   if (const auto drawn = write_drawing(options, input->survey, *found); !drawn) {
     return fail(drawn.error().message);
   }
+  if (count_of(*found, AsBuiltStatus::control) == 1) {
+    to_stderr("adjust: one control tag: nothing tells whether it hangs as surveyed\n");
+  }
   if (const auto reason = reason_not_to_write(*found, input->control)) {
     const std::string& file = options.output.empty() ? options.diff : options.output;
     const std::string what =

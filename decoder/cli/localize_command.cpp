@@ -461,7 +461,13 @@ int run_localize(LocalizeOptions options) {
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
     findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
   }
+  const std::vector<std::string> repeated = notes_on_repeated(rows);
   Located located = localize_all(*input, options, std::move(rows), findings.checked);
+  for (std::vector<Fix>& fixes : located) {
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      if (fixes[i].position_in_grid && !repeated[i].empty()) fixes[i].notes.push_back(repeated[i]);
+    }
+  }
   tell(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);

@@ -76,4 +76,25 @@ void leave_out_repeated(std::vector<Observation>& rows) {
   }
 }
 
+std::vector<std::string> notes_on_repeated(const std::vector<Observation>& rows) {
+  std::map<std::uint64_t, std::vector<std::size_t>> rows_of;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (const auto& [camera, picture] : rows[row].pictures) rows_of[picture].push_back(row);
+  }
+  std::vector<std::string> notes(rows.size());
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (rows[row].has_left_out) continue;
+    for (const auto& [camera, picture] : rows[row].pictures) {
+      const std::vector<std::size_t>& alike = rows_of[picture];
+      const auto other = std::ranges::find_if(alike, [&](std::size_t at) { return at != row; });
+      if (other == alike.end() || !notes[row].empty()) continue;
+      notes[row] = fmt::format(
+          "camera {} has the same picture as row {}: does it hang? With a time in each row such "
+          "pictures are left out",
+          camera, rows[*other].id);
+    }
+  }
+  return notes;
+}
+
 }  // namespace tagsmith::detail

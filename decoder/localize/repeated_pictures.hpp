@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
@@ -37,5 +38,9 @@ class PictureMemory {
 // Takes what was seen in pictures that rows of several times have out of all of these, and adds a
 // fault to each: nothing tells when it was taken.
 void leave_out_repeated(std::vector<Observation>& rows);
+
+// Of each row, what to say of its pictures that another row has too and that were not left out, for
+// want of times; empty where there is nothing.
+std::vector<std::string> notes_on_repeated(const std::vector<Observation>& rows);
 
 }  // namespace tagsmith::detail

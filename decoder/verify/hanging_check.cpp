@@ -36,11 +36,9 @@ void set_finding(VerifiedTag& tag, Finding finding) {
 constexpr const char* kMixedPhotos = "mixed-photos";
 
 void forget_hanging(VerifiedFile& file) {
-  if (file.rules.erase(kMixedPhotos) > 0) {
-    std::erase_if(file.findings, [](const std::string& words) {
-      return words.find(" are mixed up: ") != std::string::npos;
-    });
-  }
+  for (const std::string& words : file.mixed) std::erase(file.findings, words);
+  if (!file.mixed.empty()) file.rules.erase(kMixedPhotos);
+  file.mixed.clear();
   for (VerifiedTag& tag : file.tags) {
     const bool is_of_hanging = tag.hung && (tag.hung->verdict == HangVerdict::off ||
                                             tag.hung->verdict == HangVerdict::doubtful);
@@ -172,7 +170,9 @@ void judge_station(const HangingSetup& setup, const HungTags& hung,
   for (const MixedStations& mixed : hung.mixed) {
     const bool is_of_it =
         origin && (origin->station == mixed.one || origin->station == mixed.other);
-    if (is_of_it) file.add_finding(kMixedPhotos, in_words(mixed, setup.rig));
+    if (!is_of_it) continue;
+    file.mixed.push_back(in_words(mixed, setup.rig));
+    file.add_finding(kMixedPhotos, file.mixed.back());
   }
 }
 

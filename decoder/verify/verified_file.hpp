@@ -103,6 +103,7 @@ struct VerifiedFile {
   std::vector<VerifiedTag> tags{};
   std::vector<std::string> findings{};  // on the file as a whole, in words
   std::set<std::string> rules{};        // of these findings
+  std::vector<std::string> mixed{};     // of these, what judge_hanging found of mixed stations
   bool stale = false;                   // printed from another state of the survey: print it again
   UpSource up = UpSource::unknown;
   std::vector<std::string> notes{};  // what should be known of the file and is no fault

@@ -137,6 +137,7 @@ Json to_json(const VerifiedFile& file) {
   if (!file.sha256.empty()) object["sha256"] = file.sha256;
   if (!file.revision.empty()) object["revision"] = file.revision;
   if (const auto rules = rules_of(file); !rules.empty()) object["rules"] = rules;
+  if (!file.mixed.empty()) object["mixed"] = file.mixed;
   if (file.pages > 0) object["pages"] = file.pages;
   if (file.is_photo()) {
     object["width"] = file.width;
@@ -364,6 +365,7 @@ VerifiedFile file_from(const json& object) {
   }
   file.findings = get_or<std::vector<std::string>>(object, "findings");
   file.rules = get_or<std::set<std::string>>(object, "rules");
+  file.mixed = get_or<std::vector<std::string>>(object, "mixed");
   // What remains is of the file as a whole.
   for (const VerifiedTag& tag : file.tags) {
     if (!tag.is_fault()) continue;

@@ -18,13 +18,16 @@ using Points = std::vector<const SurveyedPoint*>;
 
 Eigen::Vector2d place_of(const SurveyedPoint& point) { return point.in_grid.head<2>(); }
 
-// Whether the way by this point is a detour: no drive turns back between three points. Rough walls
-// that are measured closely do, by less than a metre.
+// Whether this point lies before the one before it or beyond the one behind, along the way between
+// these, by as much as that way is long and a metre. Across it walls have niches and bends.
 bool is_detour(const Points& points, std::size_t i) {
-  constexpr double kTimes = 3, kRough = 1;  // the direct way, metres
-  const Eigen::Vector2d before = place_of(*points[i - 1]), here = place_of(*points[i]),
-                        after = place_of(*points[i + 1]);
-  return (here - before).norm() + (after - here).norm() > kTimes * (after - before).norm() + kRough;
+  constexpr double kRough = 1;  // metres
+  const Eigen::Vector2d before = place_of(*points[i - 1]);
+  const Eigen::Vector2d way = place_of(*points[i + 1]) - before;
+  const double length = way.norm();
+  if (length == 0) return false;
+  const double along = (place_of(*points[i]) - before).dot(way) / length;
+  return std::max(-along, along - length) > length + kRough;
 }
 
 std::optional<std::size_t> first_detour(const Points& points) {
@@ -76,7 +79,8 @@ std::string names_of(const Points& points) {
 Result<void> check_order(const std::vector<SurveyedPoint>& points) {
   std::map<PointKind, Points> kinds;
   for (const SurveyedPoint& point : points) {
-    const bool runs_along = point.kind != PointKind::floor && point.kind != PointKind::roof;
+    const bool runs_along =
+        point.kind != PointKind::floor && point.kind != PointKind::roof && !point.tag;
     if (runs_along && !point.chainage && !point.of_alignment) kinds[point.kind].push_back(&point);
   }
   for (const auto& [kind, of_kind] : kinds) {

@@ -149,6 +149,8 @@ TEST_CASE("of rows of several times that share a picture none is located by it")
   std::vector<Observation> of_one_time(2, rows[1]);
   leave_out_repeated(of_one_time);
   CHECK_FALSE(tags_of(of_one_time[1], "left").empty());
+  CHECK(notes_on_repeated(of_one_time)[1].starts_with("camera left has the same picture as row 2"));
+  CHECK(notes_on_repeated({rows[1]})[0].empty());
 }
 
 TEST_CASE("exchanged photos of two cameras are told, and locate nothing") {

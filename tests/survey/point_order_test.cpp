@@ -65,6 +65,13 @@ TEST_CASE("bends, rough walls and points across the floor are in order") {
     rough.push_back(point_at(0.1 * i, i % 2 == 0 ? 0.0 : 0.25));
     floor.push_back(point_at(0.5 * i, i % 2 == 0 ? -2.0 : 2.0, PointKind::floor));
   }
+  // A refuge of 1 m by 2 m with one point at its back, and a hairpin with few points.
+  const std::vector<SurveyedPoint> niche{point_at(0, 0), point_at(2, 0), point_at(2.5, 2),
+                                         point_at(3, 0), point_at(5, 0)};
+  const std::vector<SurveyedPoint> hairpin{point_at(0, 0), point_at(20, 0), point_at(25, 3),
+                                           point_at(20, 6), point_at(0, 6)};
+  CHECK(named(niche) == "in order");
+  CHECK(named(hairpin) == "in order");
   CHECK(named(bend) == "in order");
   CHECK(named(rough) == "in order");
   CHECK(named(floor) == "in order");
