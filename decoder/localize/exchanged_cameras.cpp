@@ -81,7 +81,7 @@ std::string leave_out_exchanged(std::vector<Observation>& rows, const std::vecto
   for (auto one = rig.cameras.begin(); one != rig.cameras.end(); ++one) {
     for (auto other = std::next(one); other != rig.cameras.end(); ++other) {
       if (!are_exchanged(rows, surveys, rig, one->name, other->name)) continue;
-      const std::string why = fmt::format(
+      std::string why = fmt::format(
           "the photos of the cameras {} and {} are exchanged: exchange these columns of the run, "
           "or their places in the rig",
           one->name, other->name);
