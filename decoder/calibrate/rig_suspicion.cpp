@@ -15,6 +15,7 @@
 #include "decoder/calibrate/drive_fit.hpp"
 #include "decoder/localize/attitude_scatter.hpp"
 #include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/evenly.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
@@ -57,10 +58,7 @@ std::vector<Observation> compared_rows(std::span<const Observation> rows) {
                          [&](const Observation& row) { return row.tags.size() >= least_tags; });
     if (chosen.size() >= kEnough) break;
   }
-  if (chosen.size() <= kMost) return chosen;
-  std::vector<Observation> some;
-  for (std::size_t i = 0; i < kMost; ++i) some.push_back(chosen[i * chosen.size() / kMost]);
-  return some;
+  return evenly_taken(std::move(chosen), kMost);
 }
 
 constexpr std::size_t kLeastRows = 3;

@@ -11,15 +11,14 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/calibrate/mounting.hpp"
+#include "decoder/cli/observe_run.hpp"
 #include "decoder/localize/exchanged_cameras.hpp"
 #include "decoder/localize/observation.hpp"
-#include "decoder/localize/repeated_pictures.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
-#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/edit_rig.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -57,20 +56,6 @@ Result<Input> load(const CalibrateMountingOptions& options) {
   files.writes(options.output, "--output");
   if (const auto usable = files.check(); !usable) return fail(usable.error().message);
   return Input{std::move(*survey), std::move(*rig), std::move(*run)};
-}
-
-// `surveys` must outlive the result.
-std::vector<Observation> observe_all(const Input& input, const std::vector<Survey>& surveys,
-                                     int jobs) {
-  const std::vector<Measurement>& measurements = input.run.measurements;
-  const ReaderChoice reader{read_tags, kFittedCornerSigmaPx, false};
-  std::vector<Observation> rows(measurements.size());
-  ProgressBar progress("measurements", measurements.size());
-  run_in_order(measurements.size(), jobs, [&](std::size_t i) -> Delivery {
-    rows[i] = observe(measurements[i], surveys, input.rig, reader);
-    return [&progress] { progress.advance([] {}); };
-  });
-  return rows;
 }
 
 // x, y, z in metres, then yaw, pitch, roll in degrees.
@@ -203,8 +188,9 @@ int calibrate_mounting(const CalibrateMountingOptions& options) {
   const Result<Input> input = load(options);
   if (!input) return report_failure(kCalibrate, input.error());
   const std::vector<Survey> surveys{input->survey};
-  std::vector<Observation> rows = observe_all(*input, surveys, options.jobs);
-  leave_out_repeated(rows);
+  const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
+  std::vector<Observation> rows =
+      observe_run(input->run, surveys, input->rig, reader, options.jobs);
   const auto refuse = [&](const std::string& why) {
     to_stderr("tagsmith {}: {}: {}\n", kCalibrate, options.run.string(), why);
     return kExitFindings;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <istream>
 #include <iterator>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "decoder/image/heif.hpp"
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/base/stream.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
@@ -22,12 +22,7 @@ constexpr std::array<std::string_view, 15> kExtensions{".pdf",  ".svg", ".jpg", 
                                                        ".tiff", ".bmp", ".pgm", ".ppm",  ".pnm"};
 
 // In small letters, with its point.
-std::string extension_of(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+std::string extension_of(const fs::path& path) { return lower_case(path.extension().string()); }
 
 std::string joined(std::span<const std::string_view> words) {
   std::string text;

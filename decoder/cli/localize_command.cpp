@@ -18,6 +18,7 @@
 #include "decoder/cli/fix_files.hpp"
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/cli/follow.hpp"
+#include "decoder/cli/observe_run.hpp"
 #include "decoder/cli/run_drawing.hpp"
 #include "decoder/localize/exchanged_cameras.hpp"
 #include "decoder/localize/fix.hpp"
@@ -114,19 +115,6 @@ std::vector<std::string> assumed(const LocalizeInput& input, const LocalizeOptio
 // The fixes of all measurements by each method asked for, the one to rely on first.
 using Located = std::vector<std::vector<Fix>>;
 
-std::vector<Observation> observe_all(const LocalizeInput& input, const LocalizeOptions& options) {
-  const std::vector<Measurement>& measurements = input.run.measurements;
-  const ReaderChoice reader = reader_for(options);
-  std::vector<Observation> rows(measurements.size());
-  ProgressBar progress("measurements", measurements.size());
-  run_in_order(measurements.size(), options.jobs, [&](std::size_t i) -> Delivery {
-    rows[i] = observe(measurements[i], input.surveys, input.rig, reader);
-    return [&progress] { progress.advance([] {}); };
-  });
-  leave_out_repeated(rows);
-  return rows;
-}
-
 std::vector<Fix> locate_all(const std::vector<Observation>& rows, LocalizationMethod method,
                             const LocalizeInput& input, int jobs) {
   std::vector<Fix> fixes(rows.size());
@@ -140,6 +128,7 @@ std::vector<Fix> locate_all(const std::vector<Observation>& rows, LocalizationMe
 // The paper's method has no run: it takes every row as it was seen.
 Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
                      std::vector<Observation> rows, RunCheck& checked) {
+  const std::vector<std::string> repeated = notes_on_repeated(rows);
   std::optional<std::vector<Fix>> by_paper;
   if (options.method != "joint") {
     by_paper = locate_all(rows, localize_by_paper, input, options.jobs);
@@ -150,7 +139,21 @@ Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
     located.push_back(locate_all(rows, localize_jointly, input, options.jobs));
   }
   if (by_paper) located.push_back(std::move(*by_paper));
+  for (std::vector<Fix>& fixes : located) {
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      if (fixes[i].position_in_grid && !repeated[i].empty()) fixes[i].notes.push_back(repeated[i]);
+    }
+  }
   return located;
+}
+
+// Says of how many rows photos could not be read; whether there are any.
+bool tell_lacking_pictures(const std::vector<Observation>& rows) {
+  const auto lacking = std::ranges::count_if(rows, &Observation::lacks_picture);
+  if (lacking == 0) return false;
+  to_stderr("{}: photos of {} row{} could not be read, see their notes\n", kLocalize, lacking,
+            lacking == 1 ? "" : "s");
+  return true;
 }
 
 // What is wrong with tags that the run shows to hang elsewhere, and with rows, once each.
@@ -449,25 +452,16 @@ int run_localize(LocalizeOptions options) {
       return report_failure(kLocalize, usable.error());
     }
   }
-  std::vector<Observation> rows = observe_all(*input, options);
-  const auto lacking = std::ranges::count_if(rows, &Observation::lacks_picture);
-  if (lacking > 0) {
-    to_stderr("{}: photos of {} row{} could not be read, see their notes\n", kLocalize, lacking,
-              lacking == 1 ? "" : "s");
-  }
+  std::vector<Observation> rows =
+      observe_run(input->run, input->surveys, input->rig, reader_for(options), options.jobs);
+  const bool lacks_pictures = tell_lacking_pictures(rows);
   leave_out_exchanged(rows, input->surveys, input->rig);
   RunFindings findings;
   if (options.method != "paper") findings.suspicion = suspicion_of(rows, *input);
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
     findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
   }
-  const std::vector<std::string> repeated = notes_on_repeated(rows);
   Located located = localize_all(*input, options, std::move(rows), findings.checked);
-  for (std::vector<Fix>& fixes : located) {
-    for (std::size_t i = 0; i < fixes.size(); ++i) {
-      if (fixes[i].position_in_grid && !repeated[i].empty()) fixes[i].notes.push_back(repeated[i]);
-    }
-  }
   tell(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
@@ -496,7 +490,7 @@ int run_localize(LocalizeOptions options) {
     }
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  return std::ranges::all_of(fixes, is_located) && lacking == 0 ? kExitOk : kExitFindings;
+  return std::ranges::all_of(fixes, is_located) && !lacks_pictures ? kExitOk : kExitFindings;
 }
 
 }  // namespace

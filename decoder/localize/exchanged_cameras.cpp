@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "decoder/localize/joint_method.hpp"
+#include "tagsmith/base/evenly.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -28,10 +29,7 @@ std::vector<Observation> compared_rows(const std::vector<Observation>& rows, con
   std::ranges::copy_if(rows, std::back_inserter(both), [&](const Observation& row) {
     return shows_tags_of(row, one) && shows_tags_of(row, other);
   });
-  if (both.size() <= kMost) return both;
-  std::vector<Observation> some;
-  for (std::size_t i = 0; i < kMost; ++i) some.push_back(both[i * both.size() / kMost]);
-  return some;
+  return evenly_taken(std::move(both), kMost);
 }
 
 std::size_t count_explained(const std::vector<Observation>& rows,

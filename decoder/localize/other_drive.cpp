@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +12,7 @@
 #include "decoder/localize/observation.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
+#include "tagsmith/base/evenly.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -24,10 +26,7 @@ std::vector<std::filesystem::path> sample_of(const std::vector<Measurement>& mea
       if (!seen.image.empty()) all.push_back(seen.image);
     }
   }
-  const std::size_t count = std::min(all.size(), kMost);
-  std::vector<std::filesystem::path> sample;
-  for (std::size_t i = 0; i < count; ++i) sample.push_back(all[i * all.size() / count]);
-  return sample;
+  return evenly_taken(std::move(all), kMost);
 }
 
 bool is_code(const Digits& digits) {

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include <fmt/core.h>
 
@@ -15,6 +15,23 @@ namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kMostRemembered = 64;
+
+struct Place {
+  std::size_t row = 0;
+  std::string camera;
+};
+
+// The rows and cameras that have each picture, by its fingerprint.
+std::map<std::uint64_t, std::vector<Place>> places_of_pictures(
+    const std::vector<Observation>& rows) {
+  std::map<std::uint64_t, std::vector<Place>> places;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (const auto& [camera, picture] : rows[row].pictures) {
+      places[picture].push_back({row, camera});
+    }
+  }
+  return places;
+}
 
 }  // namespace
 
@@ -52,46 +69,36 @@ std::vector<CameraImage> PictureMemory::new_ones(std::span<const CameraImage> im
 }
 
 void leave_out_repeated(std::vector<Observation>& rows) {
-  struct Place {
-    std::size_t row = 0;
-    std::string camera;
-  };
-  std::map<std::uint64_t, std::vector<Place>> places;
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    if (!rows[row].time) continue;
-    for (const auto& [camera, picture] : rows[row].pictures) {
-      places[picture].push_back({row, camera});
-    }
-  }
-  for (const auto& [picture, alike] : places) {
-    for (const Place& place : alike) {
-      const auto other = std::ranges::find_if(
-          alike, [&](const Place& at) { return rows[at.row].time != rows[place.row].time; });
-      if (other == alike.end()) continue;
+  const auto places = places_of_pictures(rows);
+  for (Observation& row : rows) {
+    for (const auto& [camera, picture] : row.pictures) {
+      const auto other = std::ranges::find_if(places.at(picture), [&](const Place& at) {
+        const std::optional<double>& time = rows[at.row].time;
+        return row.time && time && *time != *row.time;
+      });
+      if (other == places.at(picture).end()) continue;
       leave_out_pictures(
-          rows[place.row], {place.camera},
+          row, {camera},
           fmt::format("the picture of camera {} is not used: camera {} has the same one in row {}",
-                      place.camera, other->camera, rows[other->row].id));
+                      camera, other->camera, rows[other->row].id));
     }
   }
 }
 
 std::vector<std::string> notes_on_repeated(const std::vector<Observation>& rows) {
-  std::map<std::uint64_t, std::vector<std::size_t>> rows_of;
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (const auto& [camera, picture] : rows[row].pictures) rows_of[picture].push_back(row);
-  }
+  const auto places = places_of_pictures(rows);
   std::vector<std::string> notes(rows.size());
   for (std::size_t row = 0; row < rows.size(); ++row) {
     if (rows[row].has_left_out) continue;
     for (const auto& [camera, picture] : rows[row].pictures) {
-      const std::vector<std::size_t>& alike = rows_of[picture];
-      const auto other = std::ranges::find_if(alike, [&](std::size_t at) { return at != row; });
-      if (other == alike.end() || !notes[row].empty()) continue;
+      const auto other =
+          std::ranges::find_if(places.at(picture), [&](const Place& at) { return at.row != row; });
+      if (other == places.at(picture).end()) continue;
       notes[row] = fmt::format(
           "camera {} has the same picture as row {}: does it hang? With a time in each row such "
           "pictures are left out",
-          camera, rows[*other].id);
+          camera, rows[other->row].id);
+      break;
     }
   }
   return notes;

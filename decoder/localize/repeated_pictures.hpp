@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures that a measurement of another time has, too. A live camera's noise makes no two pictures
 // alike to the last bit: such a picture shows where the vehicle was at another time. A camera that
-// hangs repeats its last picture, and the list of a run may have copies. Of measurements without a
-// time nothing is said.
+// hangs repeats its last picture, and the list of a run may have copies. Without times a picture
+// that comes twice is told and used.
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
@@ -13,12 +14,6 @@ namespace fs = std::filesystem;
 namespace {
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 // Where the word begins in the text, set off on both sides.
 std::optional<std::size_t> find_word(const std::string& text, const std::string& word) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <regex>
@@ -63,10 +62,7 @@ double dots_per_inch(const PageSize& size) {
 }
 
 bool has_extension(const std::filesystem::path& path, std::string_view wanted) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == wanted;
+  return lower_case(path.extension().string()) == wanted;
 }
 
 // What rsvg-convert says, without the file's name once more.

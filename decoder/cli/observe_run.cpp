@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/observe_run.hpp"
+
+#include <cstddef>
+
+#include "decoder/localize/repeated_pictures.hpp"
+#include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/parallel.hpp"
+
+namespace tagsmith::detail {
+
+std::vector<Observation> observe_run(const Run& run, const std::vector<Survey>& surveys,
+                                     const Rig& rig, const ReaderChoice& reader, int jobs) {
+  std::vector<Observation> rows(run.measurements.size());
+  ProgressBar progress("measurements", rows.size());
+  run_in_order(rows.size(), jobs, [&](std::size_t i) -> Delivery {
+    rows[i] = observe(run.measurements[i], surveys, rig, reader);
+    return [&progress] { progress.advance([] {}); };
+  });
+  leave_out_repeated(rows);
+  return rows;
+}
+
+}  // namespace tagsmith::detail
