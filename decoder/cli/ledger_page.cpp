@@ -161,11 +161,9 @@ std::string heading(const Survey& survey, const LedgerReport& report) {
   std::string text =
       "<h1>Ledger of " + markup_text(survey.name) + "</h1>\n" +
       fmt::format("<p class=\"sub\">{} photos{}; survey revision {}</p>\n", report.photos.photos,
-                  report.newest ? ", the newest of " + to_text(*report.newest) : "",
-                  survey_revision(survey));
-  if (report.photos.undated > 0) {
-    text += fmt::format("<p class=\"known\">{} photos say no date, and are in no trend.</p>\n",
-                        report.photos.undated);
+                  days_in_words(report), survey_revision(survey));
+  for (const std::string& sentence : without_day_in_words(report)) {
+    text += "<p class=\"known\">" + markup_text(sentence) + ".</p>\n";
   }
   if (report.blames_camera()) {
     text += "<p class=\"poor\"><b>" + markup_text(camera_in_words(report)) + ".</b></p>\n";

@@ -96,6 +96,8 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
               {"revision", survey_revision(survey)},
               {"photos", report.photos.photos},
               {"undated", report.photos.undated},
+              {"future", report.photos.future},
+              {"oldest", to_json(report.oldest)},
               {"newest", to_json(report.newest)},
               {"trends", report.trends},
               {"losing_light", report.losing_light},
@@ -112,11 +114,8 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
 }
 
 void print_in_words(const Survey& survey, const LedgerReport& report) {
-  to_stdout("{} photos of {}{}\n", report.photos.photos, survey.name,
-            report.newest ? ", the newest of " + to_text(*report.newest) : "");
-  if (report.photos.undated > 0) {
-    to_stdout("{} of them say no date, and are in no trend\n", report.photos.undated);
-  }
+  to_stdout("{} photos of {}{}\n", report.photos.photos, survey.name, days_in_words(report));
+  for (const std::string& sentence : without_day_in_words(report)) to_stdout("{}\n", sentence);
   if (report.blames_camera()) to_stdout("{}\n", camera_in_words(report));
   std::size_t without = 0;
   for (const PlateState& plate : report.plates) {
@@ -139,6 +138,12 @@ void print_in_words(const Survey& survey, const LedgerReport& report) {
   if (!unseen.empty()) to_stdout("in no photo with a date: {}\n", fmt::join(unseen, " "));
   const std::string print = print_command_for(survey, report);
   if (!print.empty()) to_stdout("print again: {}\n", print);
+}
+
+// Tomorrow, because it is that day already further east.
+Day last_possible_day() {
+  return std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now()) +
+         std::chrono::days(1);
 }
 
 Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
@@ -219,6 +224,26 @@ void LedgerWriter::print_tally() const {
   }
 }
 
+std::string days_in_words(const LedgerReport& report) {
+  if (!report.newest) return "";
+  return fmt::format(", taken from {} to {}", to_text(*report.oldest), to_text(*report.newest));
+}
+
+std::vector<std::string> without_day_in_words(const LedgerReport& report) {
+  std::vector<std::string> sentences;
+  if (report.photos.undated > 0) {
+    sentences.push_back(
+        fmt::format("{} of them say no date, and are in no trend", report.photos.undated));
+  }
+  if (report.photos.future > 0) {
+    sentences.push_back(
+        fmt::format("{} of them are dated in the future and count as undated: set the camera's "
+                    "clock",
+                    report.photos.future));
+  }
+  return sentences;
+}
+
 std::string due_in_words(const PlateState& plate) {
   if (!plate.due) return "no trend yet";
   const PlateDue& due = *plate.due;
@@ -251,7 +276,7 @@ Result<int> report_ledger(const LedgerOptions& options) {
   }
   const Result<Ledger> ledger = Ledger::open_to_read(options.ledger);
   if (!ledger) return tl::unexpected(ledger.error());
-  const Result<LedgerReport> report = make_ledger_report(*survey, *ledger);
+  const Result<LedgerReport> report = make_ledger_report(*survey, *ledger, last_possible_day());
   if (!report) return tl::unexpected(report.error());
   if (!options.html.empty()) {
     const auto written = publish_files({{options.html, ledger_page(*survey, *report)}});

@@ -392,13 +392,17 @@ Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const Ver
   return tally;
 }
 
-Result<LedgerCounts> Ledger::count_photos(const std::string& survey) const {
+Result<LedgerCounts> Ledger::count_photos(const std::string& survey,
+                                          const std::string& last) const {
   Statement row(database_.get(),
-                "SELECT count(*), count(*) - count(taken) FROM photo WHERE survey = ?");
+                "SELECT count(*), count(*) - count(taken), total(substr(taken, 1, 10) > ?) "
+                "FROM photo WHERE survey = ?");
+  row.put(last, false);
   row.put(survey, false);
   if (!row.step()) return failure(path_, database_.get(), row.failed());
   return LedgerCounts{static_cast<std::size_t>(row.whole(0)),
-                      static_cast<std::size_t>(row.whole(1))};
+                      static_cast<std::size_t>(row.whole(1)),
+                      static_cast<std::size_t>(row.whole(2))};
 }
 
 Result<void> Ledger::for_each_sighting(

@@ -42,6 +42,7 @@ struct PlateSighting {
 struct LedgerCounts {
   std::size_t photos = 0;
   std::size_t undated = 0;
+  std::size_t future = 0;  // dated after the day that was asked for
 };
 
 // What became of photos' results that were to be entered.
@@ -66,7 +67,8 @@ class Ledger {
   // time.
   Result<LedgerTally> enter(const std::string& survey, std::span<const VerifiedFile> files);
 
-  Result<LedgerCounts> count_photos(const std::string& survey) const;
+  // `last`: the day after which a photo cannot have been taken, as 2026-03-31.
+  Result<LedgerCounts> count_photos(const std::string& survey, const std::string& last) const;
 
   // Calls `take` with each sighting of the survey's plates, plate by plate.
   Result<void> for_each_sighting(const std::string& survey,

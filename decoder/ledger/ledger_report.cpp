@@ -14,7 +14,7 @@ namespace {
 
 using Histories = std::map<std::string, PlateHistory>;
 
-Result<Histories> read_histories(const Survey& survey, const Ledger& ledger) {
+Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day last) {
   Histories histories;
   const auto take = [&](const PlateSighting& seen) {
     const PlacedTag* tag = find_tag(survey, std::string_view(seen.tag));
@@ -22,7 +22,7 @@ Result<Histories> read_histories(const Survey& survey, const Ledger& ledger) {
     // Of a tag that the survey moved since, the plate with the earlier digits is another one.
     const bool is_other =
         !seen.digits.empty() && !seen.finding.is_fault() && seen.digits != to_string(tag->digits);
-    if (!is_other) add(seen, histories[seen.tag]);
+    if (!is_other) add(seen, last, histories[seen.tag]);
   };
   if (auto read = ledger.for_each_sighting(survey.name, take); !read) {
     return tl::unexpected(read.error());
@@ -101,15 +101,16 @@ auto urgency(const PlateState& plate) {
 
 }  // namespace
 
-Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger) {
-  const Result<LedgerCounts> photos = ledger.count_photos(survey.name);
+Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger, Day last) {
+  const Result<LedgerCounts> photos = ledger.count_photos(survey.name, to_text(last));
   if (!photos) return tl::unexpected(photos.error());
-  const Result<Histories> histories = read_histories(survey, ledger);
+  const Result<Histories> histories = read_histories(survey, ledger, last);
   if (!histories) return tl::unexpected(histories.error());
   LedgerReport report;
   report.photos = *photos;
   for (const auto& [tag, history] : *histories) {
     if (history.days.empty()) continue;
+    report.oldest = std::min(report.oldest.value_or(Day::max()), history.days.begin()->first);
     report.newest = std::max(report.newest.value_or(Day{}), history.days.rbegin()->first);
   }
   for (const Side side : {Side::left, Side::right}) {

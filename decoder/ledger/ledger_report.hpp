@@ -15,7 +15,8 @@ namespace tagsmith::detail {
 
 struct LedgerReport {
   LedgerCounts photos;
-  std::optional<Day> newest;        // day of the newest photo of a plate
+  std::optional<Day> oldest;        // day of the oldest photo of a plate
+  std::optional<Day> newest;        // day of the newest one: now, in what follows
   std::vector<PlateState> plates;   // all of the survey, the most urgent first
   std::vector<MendedFault> mended;  // the latest first
   std::size_t trends = 0;           // plates that have one
@@ -28,7 +29,8 @@ struct LedgerReport {
 // What to do when the report blames the camera, in words.
 std::string camera_in_words(const LedgerReport& report);
 
-Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger);
+// No photo can have been taken after the day `last`: those that are dated so count as undated.
+Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger, Day last);
 
 // The survey's plates for which this is to be done, in the survey's order.
 std::vector<std::string> plates_to(PlateAction action, const Survey& survey,

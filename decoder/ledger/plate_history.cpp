@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -95,16 +96,19 @@ std::vector<PlateQuality> qualities_of(const PlateHistory& history) {
   return qualities;
 }
 
+// Whether `grade` is by a whole grade above the better one of the two days before day i.
+bool rises_to(double grade, std::span<const PlateQuality> days, std::size_t i) {
+  constexpr double kRise = 1.0;
+  return i >= 2 && grade - std::max(days[i - 1].grade, days[i - 2].grade) >= kRise;
+}
+
 // Where the last series begins: the plate was cleaned or replaced when its grade rises by a whole
 // grade above the better one of the two days before, and is as high on the next day. A single bad
 // day, or a single good one before others, is no such rise.
-std::size_t find_rise(const std::vector<PlateQuality>& days) {
-  constexpr double kRise = 1.0;
+std::size_t find_rise(std::span<const PlateQuality> days) {
   for (std::size_t i = days.size(); i-- > 2;) {
-    const double before = std::max(days[i - 1].grade, days[i - 2].grade);
-    const double after =
-        i + 1 < days.size() ? std::min(days[i].grade, days[i + 1].grade) : days[i].grade;
-    if (after - before >= kRise) return i;
+    if (i + 1 < days.size() && rises_to(std::min(days[i].grade, days[i + 1].grade), days, i))
+      return i;
   }
   return 0;
 }
@@ -131,7 +135,7 @@ PlateDue due_of(Trend trend, std::size_t parameter) {
 }
 
 // The first to reach its limit.
-std::optional<PlateDue> first_due(const std::vector<PlateQuality>& series) {
+std::optional<PlateDue> first_due(std::span<const PlateQuality> series) {
   std::optional<PlateDue> first;
   const auto is_earlier = [](const PlateDue& a, const PlateDue& b) {
     if (a.expected.has_value() != b.expected.has_value()) return a.expected.has_value();
@@ -186,13 +190,13 @@ void act(PlateAction action, const std::string& reason, PlateState& state) {
   state.reason = reason;
 }
 
-// A trend does not know what happened at once. What one day shows may be the day's, so somebody is
-// to look, unless it is all that there is; two days are believed.
-void judge_last_days(PlateState& state) {
-  const PlateQuality& last = state.series.back();
+// A trend does not know what happened at once. What one day shows may be the day's, or the
+// camera's, so somebody is to look; two days are believed.
+void judge_last_days(std::span<const PlateQuality> series, PlateState& state) {
+  const PlateQuality& last = series.back();
   const auto parameter = failed(last);
   if (!parameter) return;
-  const bool is_alone = state.series.size() > 1 && !failed(state.series[state.series.size() - 2]);
+  const bool is_alone = series.size() == 1 || !failed(series[series.size() - 2]);
   act(is_alone ? PlateAction::look : cure_of(kWearParameters[*parameter], last.values),
       fmt::format("{} {:.2f} on {}, limit {:.2f}", to_string(kWearParameters[*parameter]),
                   *last.values[*parameter], to_text(last.day),
@@ -200,15 +204,37 @@ void judge_last_days(PlateState& state) {
       state);
 }
 
-void judge_quality(Day newest, PlateState& state) {
-  if (state.series.empty()) return;
-  state.due = first_due(state.series);
-  if (!state.due || !state.due->is_past) judge_last_days(state);
+void judge_days(std::span<const PlateQuality> series, Day newest, PlateState& state) {
+  if (series.empty()) return;
+  state.due = first_due(series);
+  if (!state.due || !state.due->is_past) judge_last_days(series, state);
   if (!state.due || !state.due->expected) return;
-  const PlateAction cure = cure_of(state.due->parameter, state.series.back().values);
+  const PlateAction cure = cure_of(state.due->parameter, series.back().values);
   const bool is_now = *state.due->expected <= newest;
   if (!is_now && state.action > PlateAction::plan) state.cure = cure;
   act(is_now ? cure : PlateAction::plan, in_words(*state.due), state);
+}
+
+// A last day that is better at once may be a plate that was cleaned, or a camera that sharpens:
+// until another day tells, the days before it are judged, and somebody is to look.
+void judge_quality(Day newest, PlateState& state) {
+  const std::span<const PlateQuality> series = state.series;
+  if (series.empty() || !rises_to(series.back().grade, series, series.size() - 1)) {
+    judge_days(series, newest, state);
+    return;
+  }
+  PlateState before = state;
+  judge_days(series.first(series.size() - 1), newest, before);
+  if (before.action >= std::min(state.action, PlateAction::look)) {
+    state.due = before.due;
+    state.cure = before.cure;
+    act(before.action, before.reason, state);
+    return;
+  }
+  act(PlateAction::look,
+      fmt::format("{}; better on {} alone: photograph it on another day", before.reason,
+                  to_text(series.back().day)),
+      state);
 }
 
 void judge_faults(const PlateHistory& history, PlateState& state) {
@@ -242,11 +268,11 @@ std::string to_string(PlateAction action) {
   return kNames[static_cast<std::size_t>(action)];
 }
 
-void add(const PlateSighting& seen, PlateHistory& history) {
+void add(const PlateSighting& seen, Day last, PlateHistory& history) {
   if (seen.finding.status == TagStatus::cut_off) return;
   ++history.photos;
   const auto day = parse_day(std::string_view(seen.taken).substr(0, 10));
-  if (!day) {
+  if (!day || *day > last) {
     ++history.undated;
     return;
   }

@@ -54,8 +54,9 @@ struct PlateHistory {
   std::map<Day, PlateDay> days;
 };
 
-// Adds a photo in which the plate is wholly in view.
-void add(const PlateSighting& seen, PlateHistory& history);
+// Adds a photo in which the plate is wholly in view. One that is dated after `last` was taken with
+// a wrong clock and counts as undated.
+void add(const PlateSighting& seen, Day last, PlateHistory& history);
 
 // The best of a day: what lowers a grade beyond the plate's own is the photo's.
 struct PlateQuality {

@@ -122,7 +122,9 @@ TEST_CASE("what a ledger was made to say is shown and does nothing") {
       ledger,
       "UPDATE plate SET status = 'misplaced', rule = 'moved', message = '<script>' || char(27, 10) "
       "WHERE tag = '000L'; UPDATE plate SET grade = 9e999, modulation = -9e999, module_px = 9e999 "
-      "WHERE tag = '001L'; UPDATE photo SET taken = '9999-12-31' WHERE id = 1; "
+      "WHERE tag = '001L'; UPDATE photo SET taken = '9999-12-31' WHERE id = "
+      "(SELECT max(photo) FROM plate WHERE photo NOT IN "
+      "(SELECT photo FROM plate WHERE tag = '000L')); "
       "CREATE TRIGGER evil AFTER INSERT ON photo BEGIN DELETE FROM plate; END");
   const ProgramOutput output =
       run_tagsmith("report " + kSurvey + "--ledger " + ledger + " --html " + page.string());
@@ -131,7 +133,8 @@ TEST_CASE("what a ledger was made to say is shown and does nothing") {
   CHECK(read_file(page).value().find("<script>") == std::string::npos);
   const Json said = report(ledger, 1);
   CHECK(said["rehang"] == Json{"000L"});
-  CHECK(said["newest"] == "9999-12-31");
+  CHECK(said["future"] == 1);
+  CHECK(said["newest"] == "2026-03-01");
   const std::string plates = query(ledger, "SELECT count(*) FROM plate");
   copy_photos(folder.path() / "more", "2026-03-08");
   run_tagsmith("verify " + kSurvey + (folder.path() / "more").string() + " --ledger " + ledger);

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/base/date.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/ledger/ledger_file.hpp"
 #include "tests/support/contents.hpp"
@@ -14,6 +15,8 @@
 
 namespace tagsmith::detail {
 namespace {
+
+const Day kLast = parse_day("2026-03-31").value();
 
 // A photo of the corridor's left wall on the nth day of March, of all plates but one.
 VerifiedFile photo_of_wall(const Survey& survey, int day, const std::string& without) {
@@ -56,12 +59,12 @@ TEST_CASE("a plate that is no longer seen while its neighbours are is to be look
     if (day == 4) {
       REQUIRE(ledger.enter(survey.name, photos));
       // One day may be somebody who stood before it.
-      CHECK(
-          plates_to(PlateAction::look, survey, make_ledger_report(survey, ledger).value()).empty());
+      CHECK(plates_to(PlateAction::look, survey, make_ledger_report(survey, ledger, kLast).value())
+                .empty());
     }
   }
   REQUIRE(ledger.enter(survey.name, photos));
-  const LedgerReport report = make_ledger_report(survey, ledger).value();
+  const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
   CHECK(plates_to(PlateAction::look, survey, report) == std::vector<std::string>{"003L"});
   CHECK(report.plates.front().tag == "003L");
   CHECK(report.plates.size() == survey.tags.size());
@@ -86,7 +89,7 @@ TEST_CASE("when most plates lose light at once the camera is blamed, not when fe
       }
       REQUIRE(ledger.enter(survey.name, std::array{photo}));
     }
-    const LedgerReport report = make_ledger_report(survey, ledger).value();
+    const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
     CHECK(report.trends == 8);
     CHECK(report.losing_light == falling);
     CHECK(report.blames_camera() == (falling > 4));
@@ -147,6 +150,26 @@ TEST_CASE("the page says how many photos have no date, if any") {
   }
 }
 
+TEST_CASE("photos of a camera whose clock is ahead do not say what day it is") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  for (const int day : {1, 6, 31}) {
+    REQUIRE(ledger.enter(survey.name, std::array{photo_of_wall(survey, day, "")}));
+  }
+  const auto report_until = [&](const char* last) {
+    return make_ledger_report(survey, ledger, parse_day(last).value()).value();
+  };
+  const LedgerReport report = report_until("2026-03-30");
+  CHECK(report.oldest == parse_day("2026-03-01"));
+  CHECK(report.newest == parse_day("2026-03-06"));
+  CHECK(report.photos.future == 1);
+  CHECK(report.photos.undated == 0);
+  CHECK(report_until("2026-03-31").newest == parse_day("2026-03-31"));
+  CHECK(report_until("2026-03-31").photos.future == 0);
+  CHECK_FALSE(report_until("2026-02-28").newest);
+}
+
 TEST_CASE("nothing is missing where the drive had ended") {
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;
@@ -156,7 +179,7 @@ TEST_CASE("nothing is missing where the drive had ended") {
     photo.tags.resize(4);
     REQUIRE(ledger.enter(survey.name, std::array{photo}));
   }
-  const LedgerReport report = make_ledger_report(survey, ledger).value();
+  const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
   CHECK(plates_to(PlateAction::look, survey, report).empty());
   CHECK(plates_to(PlateAction::unseen, survey, report).size() == 12);
 }
@@ -169,7 +192,7 @@ TEST_CASE("plates with the digits that a tag had before it was moved are others"
   photo.tags[0].digits = parse_digits("019000800402");
   REQUIRE(ledger.enter(survey.name, std::array{photo}));
   const auto unseen =
-      plates_to(PlateAction::unseen, survey, make_ledger_report(survey, ledger).value());
+      plates_to(PlateAction::unseen, survey, make_ledger_report(survey, ledger, kLast).value());
   CHECK(unseen.size() == 10);
   CHECK(unseen.front() == photo.tags[0].tag);
 }

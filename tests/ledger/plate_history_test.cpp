@@ -34,7 +34,7 @@ PlateSighting bad(const std::string& on, TagStatus status, const std::string& ru
 
 PlateState judge(const std::vector<PlateSighting>& seen, const char* newest = "2026-07-01") {
   PlateHistory history;
-  for (const PlateSighting& one : seen) add(one, history);
+  for (const PlateSighting& one : seen) add(one, day("2026-12-31"), history);
   return judge_plate("000L", history, day(newest));
 }
 
@@ -90,9 +90,10 @@ TEST_CASE("a plate that suddenly fails is to be looked at, and one that goes on 
   CHECK_FALSE(once.cure);
   seen.push_back(good(kDays[6], 0.25));
   CHECK(judge(seen).action == PlateAction::clean);
-  // Of a plate that was never seen otherwise, one day is all there is.
-  CHECK(judge({good(kDays[5], 0.8, 0.1)}).action == PlateAction::reprint);
+  // One day alone may be a camera that was out of focus.
+  CHECK(judge({good(kDays[5], 0.8, 0.1)}).action == PlateAction::look);
   CHECK(judge({good(kDays[4]), good(kDays[5], 0.8, 0.1)}).action == PlateAction::look);
+  CHECK(judge({good(kDays[4], 0.8, 0.1), good(kDays[5], 0.8, 0.1)}).action == PlateAction::reprint);
 }
 
 TEST_CASE("defects rise to their limit") {
@@ -128,9 +129,28 @@ TEST_CASE("a plate that was mended begins anew, and a single bad day is no such 
   std::vector<PlateSighting> one_good;
   for (std::size_t i = 0; i < 7; ++i) one_good.push_back(good(kDays[i], i == 3 ? 0.8 : 0.45));
   CHECK(judge(one_good).mended.empty());
-  // The last day has none after it that could speak against it.
-  one_good.erase(one_good.begin() + 4, one_good.end());
-  CHECK(judge(one_good).mended.size() == 1);
+}
+
+TEST_CASE("a last day that is better at once is to be confirmed by another") {
+  std::vector<PlateSighting> seen;
+  for (std::size_t i = 0; i < 3; ++i) seen.push_back(good(kDays[i], 0.35));
+  CHECK(judge(seen, kDays[2]).action == PlateAction::clean);
+  seen.push_back(good(kDays[3]));
+  const PlateState once = judge(seen, kDays[3]);
+  CHECK(once.action == PlateAction::look);
+  CHECK(once.reason.find("better on 2026-04-01 alone") != std::string::npos);
+  CHECK(once.mended.empty());
+  CHECK(once.series.size() == 4);
+  seen.push_back(good(kDays[4]));
+  CHECK(judge(seen, kDays[4]).action == PlateAction::none);
+  CHECK(judge(seen, kDays[4]).mended.size() == 1);
+  // What a trend had planned stays planned.
+  std::vector<PlateSighting> worn;
+  for (std::size_t i = 0; i < 3; ++i) {
+    worn.push_back(good(kDays[i], 0.8, 0.5 - 0.05 * static_cast<double>(i)));
+  }
+  worn.push_back(good(kDays[3]));
+  CHECK(judge(worn, kDays[3]).action == judge({worn[0], worn[1], worn[2]}, kDays[3]).action);
 }
 
 TEST_CASE("a fault is open until a later day tells that it is gone") {
