@@ -228,6 +228,22 @@ std::optional<std::string> reason_not_to_write(const AsBuiltSurvey& found,
   return std::nullopt;
 }
 
+// All other tags move with a single control tag that does not hang as surveyed.
+std::optional<std::string> doubt_of_single_control(const AdjustInput& input,
+                                                   const std::vector<SightedTag>& sighted,
+                                                   const AsBuiltSurvey& found) {
+  const auto control = std::ranges::find(found.tags, AsBuiltStatus::control, &AsBuiltTag::status);
+  const auto moved = contradicted_by_others(input.survey, input.setup.rig, sighted, control->tag);
+  if (!moved) {
+    to_stderr("{}: one control tag: nothing tells whether it hangs as surveyed\n", kAdjust);
+    return std::nullopt;
+  }
+  return fmt::format(
+      "{} is the only control tag, and by the others it hangs {:.0f} mm from where the survey has "
+      "it: survey it again, or name another with --control",
+      control->tag, 1e3 * moved->shift.norm());
+}
+
 Result<int> run(const AdjustOptions& options) {
   const Result<AdjustInput> input = load_adjust_input(options);
   if (!input) return fail(input.error().message);
@@ -245,10 +261,11 @@ Result<int> run(const AdjustOptions& options) {
   if (const auto drawn = write_drawing(options, input->survey, *found); !drawn) {
     return fail(drawn.error().message);
   }
-  if (count_of(*found, AsBuiltStatus::control) == 1) {
-    to_stderr("adjust: one control tag: nothing tells whether it hangs as surveyed\n");
+  auto reason = reason_not_to_write(*found, input->control);
+  if (!reason && count_of(*found, AsBuiltStatus::control) == 1) {
+    reason = doubt_of_single_control(*input, *sighted, *found);
   }
-  if (const auto reason = reason_not_to_write(*found, input->control)) {
+  if (reason) {
     const std::string& file = options.output.empty() ? options.diff : options.output;
     const std::string what =
         file.empty() ? "do not rely on these places" : file + " was not written";

@@ -28,6 +28,9 @@ using Eigen::Matrix3d;
 constexpr double kLooseSigma = 0.5;  // metres
 constexpr double kLooseAngle = radians(10);
 
+// Normal deviations of a control tag that hangs as surveyed.
+constexpr double kFarthestControl = 4;
+
 // --- what was seen ---
 
 struct Site {
@@ -296,7 +299,6 @@ void take_survey(const SightedPlate& plate, AsBuiltTag& tag) {
 
 AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::size_t plate,
                         const PlacedTag& surveyed, bool was_control) {
-  constexpr double kFarthest = 4;      // normal deviations of a control tag that hangs as surveyed
   constexpr double kMostSigma = 0.05;  // metres: beyond, a place is not told
   AsBuiltTag tag;
   tag.tag = surveyed.name;
@@ -305,7 +307,7 @@ AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::siz
   const PlateOffset& offset = *adjustment.offsets[plate];
   fill(site.drive.plates[plate], offset, surveyed.world_from_plate, tag);
   const double sigma = worst_sigma(Matrix3d(offset.covariance.topLeftCorner<3, 3>()));
-  const bool fits = offset.shift_chi_square < chi_square_limit(3, kFarthest);
+  const bool fits = offset.shift_chi_square < chi_square_limit(3, kFarthestControl);
   if (was_control && site.is_control[plate] && fits) {
     tag.status = AsBuiltStatus::control;
     if (sigma > kMostSigma) take_survey(site.drive.plates[plate], tag);
@@ -337,6 +339,27 @@ AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adju
   result.chi_square = adjustment.chi_square;
   result.degrees_of_freedom = degrees_of_freedom(site);
   return result;
+}
+
+double shift_chi_square(const AsBuiltTag& tag, double sigma) {
+  sigma = std::max(sigma, kLeastSurveySigma);
+  const Matrix3d covariance =
+      tag.covariance.topLeftCorner<3, 3>() + sigma * sigma * Matrix3d::Identity();
+  return tag.shift.dot(covariance.ldlt().solve(tag.shift));
+}
+
+// Whether two thirds of the tags besides the one, and three at least, hang as surveyed as often as
+// normal errors of the survey's sigma do.
+bool agree(const Survey& survey, const AsBuiltSurvey& found, const std::string& besides) {
+  constexpr double kTwoThirds = 3.4;  // quantile of chi-square with three degrees of freedom
+  std::size_t placed = 0, fitting = 0;
+  for (const AsBuiltTag& tag : found.tags) {
+    if (!tag.has_place() || tag.tag == besides) continue;
+    ++placed;
+    const double sigma = find_tag(survey, std::string_view(tag.tag))->sigma;
+    if (shift_chi_square(tag, sigma) < kTwoThirds) ++fitting;
+  }
+  return fitting >= 3 && 3 * fitting >= 2 * placed;
 }
 
 }  // namespace
@@ -378,6 +401,31 @@ Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
   AsBuiltSurvey result = as_built_survey(survey, site, *adjustment, control);
   result.sigma_factor = factor;
   return result;
+}
+
+std::optional<AsBuiltTag> contradicted_by_others(const Survey& survey, const Rig& rig,
+                                                 std::span<const SightedTag> sighted,
+                                                 const std::string& control) {
+  constexpr double kMostSpread = 0.1;  // metres
+  std::vector<std::string> others;
+  for (const PlacedTag& tag : survey.tags) {
+    const bool is_seen = std::ranges::find(sighted, tag.name, &SightedTag::tag) != sighted.end();
+    if (is_seen && tag.name != control) others.push_back(tag.name);
+  }
+  Survey spread = survey;
+  for (double sigma = kLeastSurveySigma; sigma < kMostSpread; sigma *= 2) {
+    for (PlacedTag& tag : spread.tags) tag.sigma = std::max(tag.sigma, sigma);
+    spread.angle_sigma = std::max(spread.angle_sigma, sigma / kMostSpread * kLooseAngle);
+    const auto found = adjust_as_built(spread, rig, sighted, others);
+    if (!found || !agree(spread, *found, control)) continue;
+    const auto tag = std::ranges::find(found->tags, control, &AsBuiltTag::tag);
+    if (tag == found->tags.end() || tag->status != AsBuiltStatus::adjusted) return std::nullopt;
+    const bool hangs_there =
+        shift_chi_square(*tag, find_tag(survey, std::string_view(control))->sigma) <
+        chi_square_limit(3, kFarthestControl);
+    return hangs_there ? std::nullopt : std::optional(*tag);
+  }
+  return std::nullopt;
 }
 
 }  // namespace tagsmith::detail

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -64,5 +65,13 @@ struct AsBuiltSurvey {
 Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
                                       std::span<const SightedTag> sighted,
                                       std::span<const std::string> control);
+
+// Asks of a single control tag whether it hangs as surveyed, which its own adjustment cannot tell:
+// all others would be moved instead. The others are taken to hang about the surveyed places, by as
+// much as they differ among themselves. Returns where the control tag hangs when they contradict
+// it. Nothing when they do not, are fewer than three, or differ by more than 0.1 m.
+std::optional<AsBuiltTag> contradicted_by_others(const Survey& survey, const Rig& rig,
+                                                 std::span<const SightedTag> sighted,
+                                                 const std::string& control);
 
 }  // namespace tagsmith::detail

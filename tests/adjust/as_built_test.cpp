@@ -134,6 +134,32 @@ TEST_CASE("a control tag that no other one confirms hangs as surveyed, to the su
   }
 }
 
+TEST_CASE("a single control tag is contradicted by the others where these agree") {
+  for (std::uint64_t seed = 11; seed < 17; ++seed) {
+    CAPTURE(seed);
+    Draws draws(seed);
+    AsBuiltDriveOptions options;
+    options.pairs = 11;
+    options.stations = 40;
+    options.control_every = 4;
+    AsBuiltDrive drive = as_built_drive(options, draws);
+    const auto contradicted = [&] {
+      return contradicted_by_others(drive.survey, drive.rig, drive.sighted, "005L");
+    };
+    CHECK_FALSE(contradicted());
+    PlacedTag& control = drive.survey.tags[index_of(drive, "005L")];
+    control.world_from_plate.translation.y() += 0.1;
+    const auto moved = contradicted();
+    REQUIRE(moved);
+    CHECK(moved->shift.y() == doctest::Approx(-0.1).epsilon(0.4));
+    // Others that were hung by eye tell less.
+    for (PlacedTag& tag : drive.survey.tags) {
+      if (tag.name != "005L") tag.world_from_plate.translation += draws.normals(0.3);
+    }
+    CHECK_FALSE(contradicted());
+  }
+}
+
 TEST_CASE("without control tags in the photos nothing is adjusted") {
   Draws draws(6);
   const AsBuiltDrive drive = short_drive(draws);
