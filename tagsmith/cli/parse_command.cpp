@@ -44,8 +44,8 @@ std::string problem_of_value(const CommandOption& option, const std::string& tex
     if (std::ranges::find(option.choices, text) != option.choices.end()) return {};
     return fmt::format("found `{}`, expected {}", text, fmt::join(option.choices, " or "));
   }
-  if (text.empty() && option.kind != ValueKind::text) {
-    return "is empty, expected " + (option.placeholder.empty() ? "a name" : option.placeholder);
+  if (text.empty()) {
+    return "is empty, expected " + (option.placeholder.empty() ? "a value" : option.placeholder);
   }
   const bool takes_number =
       std::visit([](const auto& target) { return kTakesNumber<std::decay_t<decltype(target)>>; },
