@@ -102,6 +102,9 @@ TEST_CASE("wrong arguments are named with what was expected") {
   CHECK(problem({"s", "--count", "3", "--count", "5"}) ==
         "--count: given twice, it takes one value");
   CHECK_FALSE(problem({"s", "--also"}).empty());
+  // A variable of a script that is not set.
+  CHECK(problem({"s", "--only", ""}) == "--only: is empty, expected a value");
+  CHECK(problem({"s", "--count", ""}) == "--count: is empty, expected a value");
 }
 
 TEST_CASE("every option of the program is told once, and its numbers have limits") {
