@@ -153,6 +153,11 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
   Json values = summary_values(summaries.front());
   values["assumed"] = assumed;
   if (findings.suspicion) values["rig_suspicion"] = suspicion_json(*findings.suspicion, rig);
+  if (findings.turned) {
+    values["turned_headings"] = {{"text", to_string(*findings.turned)},
+                                 {"degrees", degrees(findings.turned->angle)},
+                                 {"steps", findings.turned->steps}};
+  }
   if (!findings.another_drive.empty()) values["another_drive"] = findings.another_drive;
   if (!findings.checked.mixed.empty()) values["mixed_rows"] = findings.checked.mixed;
   for (const SetAside& tag : findings.checked.aside) {

@@ -12,6 +12,7 @@
 
 #include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/localize/fix.hpp"
+#include "decoder/localize/travel.hpp"
 #include "decoder/verify/set_aside.hpp"
 #include "tagsmith/survey/run.hpp"
 
@@ -27,6 +28,7 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 struct RunFindings {
   std::optional<RigSuspicion> suspicion;
   RunCheck checked;
+  std::optional<TurnedHeadings> turned{};
   std::string another_drive{};  // why the photos show none of the surveys' tags; empty = they do
 };
 

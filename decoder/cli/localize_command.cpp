@@ -30,6 +30,7 @@
 #include "decoder/localize/repeated_pictures.hpp"
 #include "decoder/localize/residual_picture.hpp"
 #include "decoder/localize/smooth.hpp"
+#include "decoder/localize/travel.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
@@ -462,6 +463,7 @@ int run_localize(LocalizeOptions options) {
     findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
   }
   Located located = localize_all(*input, options, std::move(rows), findings.checked);
+  findings.turned = turned_headings(located.front());
   tell(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
@@ -488,9 +490,13 @@ int run_localize(LocalizeOptions options) {
     if (findings.suspicion) {
       to_stdout("the rig is in doubt: {}\n", describe(*findings.suspicion, input->rig));
     }
+    if (findings.turned)
+      to_stdout("do not rely on these positions: {}\n", to_string(*findings.turned));
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  return std::ranges::all_of(fixes, is_located) && !lacks_pictures ? kExitOk : kExitFindings;
+  const bool is_in_doubt = findings.suspicion || findings.turned;
+  return std::ranges::all_of(fixes, is_located) && !lacks_pictures && !is_in_doubt ? kExitOk
+                                                                                   : kExitFindings;
 }
 
 }  // namespace
@@ -543,7 +549,9 @@ Command localize_command() {
            jobs_option(options->jobs, "Images read at the same time")},
       .notes =
           "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: "
-          "some have no position, each with its reason, or a photo could not be read; 2: a survey, "
+          "some have no position, each with its reason, a photo could not be read, or all rows "
+          "doubt the "
+          "rig; 2: a survey, "
           "rig or run could not be "
           "used.\n\n"
           "Example:\n"

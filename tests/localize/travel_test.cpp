@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/travel.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+Fix fix_at(double x, double y, double heading, double sigma = 0.002) {
+  Fix fix;
+  fix.survey = "drift";
+  fix.position_in_grid = {x, y, 0.3};
+  fix.covariance_in_grid = sigma * sigma * Eigen::Matrix3d::Identity();
+  fix.attitude = Attitude{heading, 0, 0};
+  return fix;
+}
+
+// A drive round a bend of 20 m radius, a step of 1 m and a place 0.1 m beside the way at a time,
+// its headings turned to the right of it.
+std::vector<Fix> drive(std::size_t count, double turned, double sigma = 0.002) {
+  std::vector<Fix> fixes;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double along = 0.05 * static_cast<double>(i);
+    const double radius = 20 + (i % 2 == 0 ? 0.05 : -0.05);
+    fixes.push_back(
+        fix_at(-radius * std::cos(along), radius * std::sin(along), along + turned, sigma));
+  }
+  return fixes;
+}
+
+}  // namespace
+
+TEST_CASE("headings that are turned from the way are told by their angle") {
+  for (const double turned : {40.0, -40.0, 85.0, 25.0}) {
+    CAPTURE(turned);
+    const auto told = turned_headings(drive(8, radians(turned)));
+    REQUIRE(told);
+    CHECK(degrees(told->angle) == doctest::Approx(turned).epsilon(0.05));
+    CHECK(told->steps == 7);
+  }
+  // Backwards is a way to go, and a camera that is turned by more than a right angle.
+  CHECK_FALSE(turned_headings(drive(8, std::numbers::pi)));
+  CHECK(degrees(turned_headings(drive(8, radians(110)))->angle) ==
+        doctest::Approx(-70).epsilon(0.03));
+}
+
+TEST_CASE("nothing is told of headings that fit, nor of few, short or uncertain steps") {
+  CHECK_FALSE(turned_headings(drive(8, 0)));
+  CHECK_FALSE(turned_headings(drive(8, radians(15))));
+  CHECK_FALSE(turned_headings(drive(5, radians(40))));
+  CHECK_FALSE(turned_headings(drive(8, radians(40), 0.05)));
+  CHECK_FALSE(turned_headings({}));
+  std::vector<Fix> short_steps = drive(8, radians(40));
+  for (Fix& fix : short_steps) *fix.position_in_grid *= 0.4;
+  CHECK_FALSE(turned_headings(short_steps));
+  std::vector<Fix> without = drive(8, radians(40));
+  for (Fix& fix : without) fix.attitude.reset();
+  CHECK_FALSE(turned_headings(without));
+}
+
+TEST_CASE("places that were chosen across the drive as well tell nothing") {
+  std::vector<Fix> fixes;
+  for (int i = 0; i < 12; ++i) fixes.push_back(fix_at(i % 2 == 0 ? 1.0 : 2.0, 0.6 * i, 0));
+  CHECK_FALSE(turned_headings(fixes));
+}
+
+}  // namespace tagsmith::detail
