@@ -233,13 +233,12 @@ std::vector<std::string> without_day_in_words(const LedgerReport& report) {
   std::vector<std::string> sentences;
   if (report.photos.undated > 0) {
     sentences.push_back(
-        fmt::format("{} of them say no date, and are in no trend", report.photos.undated));
+        fmt::format("{} of them without a date, and in no trend", report.photos.undated));
   }
   if (report.photos.future > 0) {
-    sentences.push_back(
-        fmt::format("{} of them are dated in the future and count as undated: set the camera's "
-                    "clock",
-                    report.photos.future));
+    sentences.push_back(fmt::format(
+        "{} of them dated in the future, and counted as undated: set the camera's clock",
+        report.photos.future));
   }
   return sentences;
 }

@@ -225,8 +225,8 @@ void judge_quality(Day newest, PlateState& state) {
   }
   PlateState before = state;
   judge_days(series.first(series.size() - 1), newest, before);
+  state.due = before.due;
   if (before.action >= std::min(state.action, PlateAction::look)) {
-    state.due = before.due;
     state.cure = before.cure;
     act(before.action, before.reason, state);
     return;
