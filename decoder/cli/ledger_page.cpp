@@ -90,7 +90,7 @@ std::string mended_text(const LedgerReport& report) {
     rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
                         markup_text(fault.tag), to_text(fault.in_order),
                         markup_text(fault.rule.empty() ? "low grade" : fault.rule),
-                        to_text(fault.last_found));
+                        last_found_in_words(fault));
   }
   return "<div class=\"scroll\"><table><thead><tr><th>tag</th><th>in order on</th><th>what it "
          "was</th><th>last found</th></tr></thead><tbody>\n" +
@@ -162,7 +162,7 @@ std::string heading(const Survey& survey, const LedgerReport& report) {
       "<h1>Ledger of " + markup_text(survey.name) + "</h1>\n" +
       fmt::format("<p class=\"sub\">{} photos{}; survey revision {}</p>\n", report.photos.photos,
                   days_in_words(report), survey_revision(survey));
-  for (const std::string& sentence : without_day_in_words(report)) {
+  for (const std::string& sentence : doubts_in_words(report)) {
     text += "<p class=\"known\">" + markup_text(sentence) + ".</p>\n";
   }
   if (report.blames_camera()) {

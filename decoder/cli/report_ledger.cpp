@@ -65,7 +65,7 @@ Json to_json(const PlateQuality& day) {
 Json to_json(const MendedFault& fault) {
   return {{"tag", fault.tag},
           {"rule", fault.rule.empty() ? Json() : Json(fault.rule)},
-          {"last_found", to_text(fault.last_found)},
+          {"last_found", to_json(fault.last_found)},
           {"in_order", to_text(fault.in_order)}};
 }
 
@@ -97,6 +97,7 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
               {"photos", report.photos.photos},
               {"undated", report.photos.undated},
               {"future", report.photos.future},
+              {"other_revisions", report.photos.other_revisions},
               {"oldest", to_json(report.oldest)},
               {"newest", to_json(report.newest)},
               {"trends", report.trends},
@@ -115,7 +116,7 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
 
 void print_in_words(const Survey& survey, const LedgerReport& report) {
   to_stdout("{} photos of {}{}\n", report.photos.photos, survey.name, days_in_words(report));
-  for (const std::string& sentence : without_day_in_words(report)) to_stdout("{}\n", sentence);
+  for (const std::string& sentence : doubts_in_words(report)) to_stdout("{}\n", sentence);
   if (report.blames_camera()) to_stdout("{}\n", camera_in_words(report));
   std::size_t without = 0;
   for (const PlateState& plate : report.plates) {
@@ -129,7 +130,7 @@ void print_in_words(const Survey& survey, const LedgerReport& report) {
   }
   for (const MendedFault& fault : report.mended) {
     to_stdout("mended on {}: {} ({} until {})\n", to_text(fault.in_order), fault.tag,
-              fault.rule.empty() ? "low grade" : fault.rule, to_text(fault.last_found));
+              fault.rule.empty() ? "low grade" : fault.rule, last_found_in_words(fault));
   }
   if (without > 0) {
     to_stdout("no trend yet: {} tags, {} days with a grade are needed\n", without, kLeastTrendDays);
@@ -229,7 +230,7 @@ std::string days_in_words(const LedgerReport& report) {
   return fmt::format(", taken from {} to {}", to_text(*report.oldest), to_text(*report.newest));
 }
 
-std::vector<std::string> without_day_in_words(const LedgerReport& report) {
+std::vector<std::string> doubts_in_words(const LedgerReport& report) {
   std::vector<std::string> sentences;
   if (report.photos.undated > 0) {
     sentences.push_back(
@@ -240,7 +241,17 @@ std::vector<std::string> without_day_in_words(const LedgerReport& report) {
         "{} of them dated in the future, and counted as undated: set the camera's clock",
         report.photos.future));
   }
+  if (report.photos.other_revisions > 0) {
+    sentences.push_back(fmt::format(
+        "{} of them verified against another state of the survey: where plates hang was "
+        "judged by that; verify them again",
+        report.photos.other_revisions));
+  }
   return sentences;
+}
+
+std::string last_found_in_words(const MendedFault& fault) {
+  return fault.last_found ? to_text(*fault.last_found) : "a photo without a date";
 }
 
 std::string due_in_words(const PlateState& plate) {

@@ -63,8 +63,11 @@ std::string ledger_page(const Survey& survey, const LedgerReport& report);
 // ", taken from 2026-03-12 to 2027-05-01"; empty when no photo says its day.
 std::string days_in_words(const LedgerReport& report);
 
-// A sentence for each kind of photos that are in no trend, without its full stop.
-std::vector<std::string> without_day_in_words(const LedgerReport& report);
+// A sentence for each kind of photos that say less than others, without its full stop.
+std::vector<std::string> doubts_in_words(const LedgerReport& report);
+
+// "2026-03-12", or what stands for it.
+std::string last_found_in_words(const MendedFault& fault);
 
 // "2027-05-01 (2027-03-12 to 2027-08-20)", "not before 2027-03-12", or "no trend yet".
 std::string due_in_words(const PlateState& plate);

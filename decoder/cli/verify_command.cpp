@@ -193,17 +193,26 @@ VerifiedOne broken(const fs::path& file, const Error& error) {
   return one;
 }
 
-// Content hashes of what earlier runs verified against this state of the survey.
-using VerifiedBefore = std::set<std::string>;
+// Content and conditions of what earlier runs verified against this state of the survey.
+using VerifiedBefore = std::set<std::pair<std::string, std::string>>;
+
+std::pair<std::string, std::string> key_of(const VerifiedFile& file) {
+  return {file.sha256, file.conditions};
+}
 
 VerifiedOne verify_one(const VerifyCommandOptions& options, const VerifyRequest& request,
                        const VerifiedBefore& before, const fs::path& file) {
   const Result<InputFile> input = read_input_file(file);
   if (!input) return broken(file, input.error());
-  if (before.contains(input->sha256)) return {{file, input->sha256}, std::nullopt, true};
+  const Result<std::string> conditions = conditions_of(request, file);
+  if (!conditions) return broken(file, conditions.error());
+  VerifiedOne skipped{{file, input->sha256}, std::nullopt, true};
+  skipped.file.conditions = *conditions;
+  if (before.contains(key_of(skipped.file))) return skipped;
   Result<VerifiedFile> verified = verify_file(request, *input);
   if (!verified) return broken(file, verified.error());
   VerifiedOne one{std::move(*verified)};
+  one.file.conditions = *conditions;
   Result<void> saved = save_pictures(options, one.file);
   if (saved && !options.hangs_late) saved = save_annotated(options, *input, one.file);
   if (!saved) one.problem = saved.error();
@@ -321,7 +330,7 @@ void deliver(const Job& job, VerifiedOne& one, VerifyOutcome& outcome) {
   if (one.problem) tell_failure(tl::unexpected(*one.problem), outcome);
   if (one.skipped) {
     ++outcome.skipped_files;
-    outcome.skipped.insert(one.file.sha256);
+    outcome.skipped.insert(key_of(one.file));
     return;
   }
   one.file.revision = job.revision;
@@ -355,7 +364,7 @@ Result<void> judge_waiting(const Job& job, VerifyOutcome& outcome) {
 // Of the files that were skipped, what the earlier run said.
 Result<void> add_skipped(const Job& job, VerifyOutcome& outcome) {
   return read_resumed(job.options, job.revision, [&](VerifiedFile line) {
-    if (outcome.skipped.erase(line.sha256) == 0) return;
+    if (outcome.skipped.erase(key_of(line)) == 0) return;
     if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, line);
     take(job, std::move(line), outcome);
   });
@@ -366,7 +375,7 @@ Result<VerifyOutcome> verify_all(const Job& job, const std::vector<fs::path>& fi
   VerifyOutcome outcome;
   VerifiedBefore before;
   const auto remember = [&](const VerifiedFile& line) {
-    if (!line.sha256.empty()) before.insert(line.sha256);
+    if (!line.sha256.empty()) before.insert(key_of(line));
   };
   if (auto read = read_resumed(options, job.revision, remember, true); !read) {
     return fail(read.error().message);
@@ -442,6 +451,11 @@ Result<int> run(VerifyCommandOptions options) {
   if (!list) return fail(list.error().message);
   const Result<std::vector<Survey>> also = load_surveys({options.also.begin(), options.also.end()});
   if (!also) return fail(also.error().message);
+  std::vector<Survey> together{*survey};
+  together.insert(together.end(), also->begin(), also->end());
+  if (const auto diagnostics = check_together(together); has_errors(diagnostics)) {
+    return fail(to_string(diagnostics, true));
+  }
   add_files(options, *survey, *also, list->files, files);
   if (const auto usable = files.check(); !usable) return fail(usable.error().message);
   options.named = &files;
@@ -495,7 +509,8 @@ Command verify_command() {
                         ValueKind::survey),
            value_option(
                "--resume", &options->resume, "FILE.jsonl",
-               "Skip files whose content an earlier --json run verified against this survey",
+               "Skip files whose content an earlier --json run verified against this survey "
+               "under the same conditions (manifest, --dpi, --also)",
                ValueKind::json_lines),
            ledger_option(options->ledger,
                          "Add what the photos show of each plate to this history, for "

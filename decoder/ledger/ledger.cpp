@@ -3,6 +3,7 @@
 // docs/decisions/0024-ledger.md.
 #include "decoder/ledger/ledger.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <sqlite3.h>
 #include <string_view>
@@ -318,13 +319,33 @@ Result<void> Ledger::make_tables() const {
   return code == SQLITE_OK ? Result<void>{} : failure(path_, database, code);
 }
 
-Result<std::string> Ledger::stored_result(const std::string& survey,
-                                          const std::string& sha256) const {
-  Statement photo(database_.get(), "SELECT result FROM photo WHERE survey = ? AND sha256 = ?");
+// What the ledger has of a photo.
+struct Ledger::StoredPhoto {
+  std::string result;
+  std::string taken;
+  std::string revision;
+  bool judged = false;  // for where its plates hang
+
+  // Whether this result says nothing that is not there, or less.
+  bool stands_for(const VerifiedFile& file, const std::string& result_of_file) const {
+    const bool judges =
+        std::ranges::any_of(file.tags, [](const VerifiedTag& tag) { return tag.hung.has_value(); });
+    const bool says_less = (judged && !judges) || (!taken.empty() && file.taken.empty());
+    return result == result_of_file || (revision == file.revision && says_less);
+  }
+};
+
+Result<std::optional<Ledger::StoredPhoto>> Ledger::stored_photo(const std::string& survey,
+                                                                const std::string& sha256) const {
+  Statement photo(database_.get(),
+                  "SELECT result, taken, revision, EXISTS (SELECT 1 FROM plate WHERE photo = id "
+                  "AND hanging IS NOT NULL) FROM photo WHERE survey = ? AND sha256 = ?");
   photo.put(survey, false).put(sha256);
-  if (photo.step()) return photo.text(0);
+  if (photo.step()) {
+    return StoredPhoto{photo.text(0), photo.text(1), photo.text(2), photo.whole(3) != 0};
+  }
   if (photo.failed() != SQLITE_OK) return failure(path_, database_.get(), photo.failed());
-  return "";
+  return std::nullopt;
 }
 
 Result<void> Ledger::write_photo(const std::string& survey, const VerifiedFile& file,
@@ -353,13 +374,13 @@ Result<void> Ledger::write_photo(const std::string& survey, const VerifiedFile& 
 
 Result<void> Ledger::enter_one(const std::string& survey, const VerifiedFile& file,
                                const std::string& result, LedgerTally& tally) const {
-  const Result<std::string> before = stored_result(survey, file.sha256);
+  const Result<std::optional<StoredPhoto>> before = stored_photo(survey, file.sha256);
   if (!before) return tl::unexpected(before.error());
-  if (*before == result) {
+  if (*before && (*before)->stands_for(file, result)) {
     ++tally.known;
     return {};
   }
-  ++(before->empty() ? tally.added : tally.replaced);
+  ++(*before ? tally.replaced : tally.added);
   if (file.taken.empty()) ++tally.undated;
   return write_photo(survey, file, result);
 }
@@ -370,9 +391,9 @@ Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const Ver
   for (const VerifiedFile& file : files) {
     std::optional<PhotoLine> line = line_of(file);
     if (!line) continue;
-    const Result<std::string> before = stored_result(survey, file.sha256);
+    const Result<std::optional<StoredPhoto>> before = stored_photo(survey, file.sha256);
     if (!before) return tl::unexpected(before.error());
-    if (*before == line->result) {
+    if (*before && (*before)->stands_for(line->file, line->result)) {
       ++tally.known;
     } else {
       unknown.push_back(std::move(*line));
@@ -392,17 +413,17 @@ Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const Ver
   return tally;
 }
 
-Result<LedgerCounts> Ledger::count_photos(const std::string& survey,
-                                          const std::string& last) const {
+Result<LedgerCounts> Ledger::count_photos(const std::string& survey, const std::string& last,
+                                          const std::string& revision) const {
   Statement row(database_.get(),
-                "SELECT count(*), count(*) - count(taken), total(substr(taken, 1, 10) > ?) "
-                "FROM photo WHERE survey = ?");
-  row.put(last, false);
+                "SELECT count(*), count(*) - count(taken), total(substr(taken, 1, 10) > ?), "
+                "total(revision <> ?) FROM photo WHERE survey = ?");
+  row.put(last, false).put(revision, false);
   row.put(survey, false);
   if (!row.step()) return failure(path_, database_.get(), row.failed());
-  return LedgerCounts{static_cast<std::size_t>(row.whole(0)),
-                      static_cast<std::size_t>(row.whole(1)),
-                      static_cast<std::size_t>(row.whole(2))};
+  return LedgerCounts{
+      static_cast<std::size_t>(row.whole(0)), static_cast<std::size_t>(row.whole(1)),
+      static_cast<std::size_t>(row.whole(2)), static_cast<std::size_t>(row.whole(3))};
 }
 
 Result<void> Ledger::for_each_sighting(

@@ -42,7 +42,8 @@ struct PlateSighting {
 struct LedgerCounts {
   std::size_t photos = 0;
   std::size_t undated = 0;
-  std::size_t future = 0;  // dated after the day that was asked for
+  std::size_t future = 0;           // dated after the day that was asked for
+  std::size_t other_revisions = 0;  // verified against another state of the survey
 };
 
 // What became of photos' results that were to be entered.
@@ -54,6 +55,8 @@ struct LedgerTally {
 };
 
 class Ledger {
+  struct StoredPhoto;
+
  public:
   // Makes the file where there is none. Fails without touching the file when it is no ledger, or
   // one of a newer version, and when it cannot be written.
@@ -63,12 +66,15 @@ class Ledger {
   static Result<Ledger> open_to_read(const std::filesystem::path& path);
 
   // Photos with their plates, all in one transaction, which is on the disk when this returns. Print
-  // files, and files that could not be read, are left out. Other processes may write at the same
-  // time.
+  // files, and files that could not be read, are left out. A result that says less than the one
+  // that is there, without a date or without a judgement of where plates hang, does not replace it.
+  // Other processes may write at the same time.
   Result<LedgerTally> enter(const std::string& survey, std::span<const VerifiedFile> files);
 
-  // `last`: the day after which a photo cannot have been taken, as 2026-03-31.
-  Result<LedgerCounts> count_photos(const std::string& survey, const std::string& last) const;
+  // `last`: the day after which a photo cannot have been taken, as 2026-03-31; `revision`: of the
+  // survey now.
+  Result<LedgerCounts> count_photos(const std::string& survey, const std::string& last,
+                                    const std::string& revision) const;
 
   // Calls `take` with each sighting of the survey's plates, plate by plate.
   Result<void> for_each_sighting(const std::string& survey,
@@ -83,7 +89,8 @@ class Ledger {
                          const std::string& result, LedgerTally& tally) const;
   Result<void> write_photo(const std::string& survey, const VerifiedFile& file,
                            const std::string& result) const;
-  Result<std::string> stored_result(const std::string& survey, const std::string& sha256) const;
+  Result<std::optional<StoredPhoto>> stored_photo(const std::string& survey,
+                                                  const std::string& sha256) const;
 
   std::filesystem::path path_;
   std::shared_ptr<sqlite3> database_;

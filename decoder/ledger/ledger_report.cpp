@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/date.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -102,7 +103,8 @@ auto urgency(const PlateState& plate) {
 }  // namespace
 
 Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger, Day last) {
-  const Result<LedgerCounts> photos = ledger.count_photos(survey.name, to_text(last));
+  const Result<LedgerCounts> photos =
+      ledger.count_photos(survey.name, to_text(last), survey_revision(survey));
   if (!photos) return tl::unexpected(photos.error());
   const Result<Histories> histories = read_histories(survey, ledger, last);
   if (!histories) return tl::unexpected(histories.error());

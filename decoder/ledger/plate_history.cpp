@@ -51,7 +51,9 @@ struct FaultHistory {
 FaultHistory trace_fault(const std::string& tag, const PlateHistory& history,
                          const std::string& rule) {
   FaultHistory traced;
-  Day found{};
+  std::optional<Day> found;
+  const auto undated = history.without_day.faults.find(rule);
+  if (undated != history.without_day.faults.end()) traced.open = undated->second;
   for (const auto& [day, seen] : history.days) {
     const auto fault = seen.faults.find(rule);
     if (fault != seen.faults.end()) {
@@ -238,7 +240,7 @@ void judge_quality(Day newest, PlateState& state) {
 }
 
 void judge_faults(const PlateHistory& history, PlateState& state) {
-  std::map<std::string, Finding> rules;
+  std::map<std::string, Finding> rules = history.without_day.faults;
   for (const auto& [day, seen] : history.days) rules.insert(seen.faults.begin(), seen.faults.end());
   for (const auto& [rule, fault] : rules) {
     const FaultHistory traced = trace_fault(state.tag, history, rule);
@@ -272,11 +274,9 @@ void add(const PlateSighting& seen, Day last, PlateHistory& history) {
   if (seen.finding.status == TagStatus::cut_off) return;
   ++history.photos;
   const auto day = parse_day(std::string_view(seen.taken).substr(0, 10));
-  if (!day || *day > last) {
-    ++history.undated;
-    return;
-  }
-  PlateDay& of_day = history.days[*day];
+  const bool has_day = day && *day <= last;
+  if (!has_day) ++history.undated;
+  PlateDay& of_day = has_day ? history.days[*day] : history.without_day;
   ++of_day.photos;
   if (seen.offset_mm) of_day.offset_mm = seen.offset_mm;
   if (seen.finding.is_fault()) {
@@ -290,13 +290,15 @@ void add(const PlateSighting& seen, Day last, PlateHistory& history) {
 }
 
 PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day newest) {
-  PlateHistory dated = history;
-  for (auto& [day, seen] : dated.days) {
-    // What hid the plate in one photo and not in another of the day is not on the plate.
-    if (!seen.in_order) continue;
+  // What hid the plate in one photo and not in another of the day is not on the plate.
+  const auto forgive = [](PlateDay& seen) {
+    if (!seen.in_order) return;
     std::erase_if(seen.faults,
                   [](const auto& fault) { return fault.second.status == TagStatus::unreadable; });
-  }
+  };
+  PlateHistory dated = history;
+  forgive(dated.without_day);
+  for (auto& [day, seen] : dated.days) forgive(seen);
   PlateState state;
   state.tag = tag;
   state.photos = history.photos;
@@ -308,7 +310,9 @@ PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day 
   judge_faults(dated, state);
   find_series(dated, state);
   judge_quality(newest, state);
-  if (dated.days.empty()) state.action = PlateAction::unseen;
+  if (dated.days.empty() && state.action == PlateAction::none) {
+    state.action = PlateAction::unseen;
+  }
   return state;
 }
 

@@ -51,6 +51,7 @@ struct PlateDay {
 struct PlateHistory {
   std::size_t photos = 0;
   std::size_t undated = 0;
+  PlateDay without_day;  // all photos that say no day: their faults are taken for older than others
   std::map<Day, PlateDay> days;
 };
 
@@ -79,8 +80,8 @@ struct PlateDue {
 
 struct MendedFault {
   std::string tag;
-  std::string rule;  // of docs/verify-rules.md; empty = the print's quality
-  Day last_found;
+  std::string rule;               // of docs/verify-rules.md; empty = the print's quality
+  std::optional<Day> last_found;  // nothing = in photos that say no day
   Day in_order;
 };
 

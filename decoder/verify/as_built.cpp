@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "decoder/calibrate/drive_fit.hpp"

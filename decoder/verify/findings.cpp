@@ -239,19 +239,45 @@ std::optional<Finding> find_mirrored(const PictureEvidence&, const TagEvidence& 
                  seen.tag.tag + " is mirrored: " + seen.mirrored};
 }
 
-// The printed size, on a page or in a scan: both sides are to be within 0.5 % (or 1.5 pixels).
+// A frame as printed, metres: its mean sides, and whether it has the template's size and is a
+// rectangle. Scans are to be right within 0.5 %, files within 0.2 %, or 1.5 pixels.
+struct PrintedFrame {
+  double length = 0;
+  double height = 0;
+  bool fits = false;
+  bool is_rectangle = false;
+};
+
+PrintedFrame printed_frame(const PictureEvidence& evidence, const FrameCorners& corners) {
+  const double share = evidence.up == UpSource::page ? 0.002 : 0.005;
+  const double unit = evidence.metres_per_pixel;
+  const TagTemplate& tag = evidence.survey.tag_template;
+  const auto& [p, f, r, q] = corners;
+  const auto alike = [&](double found, double expected) {
+    return std::abs(found - expected) <= std::max(share * expected, 1.5 * unit);
+  };
+  const double top = unit * distance(p, f), bottom = unit * distance(q, r);
+  const double left = unit * distance(p, q), right = unit * distance(f, r);
+  PrintedFrame frame{(top + bottom) / 2, (left + right) / 2};
+  frame.fits =
+      alike(frame.length, tag.frame_inner_length) && alike(frame.height, tag.frame_inner_height);
+  frame.is_rectangle = alike(top, bottom) && alike(left, right) &&
+                       alike(unit * distance(p, r), unit * distance(f, q));
+  return frame;
+}
+
+// The printed size and shape, on a page or in a scan: a frame that is no rectangle shows cameras
+// another direction than the plate has.
 std::optional<Finding> find_wrong_scale(const PictureEvidence& evidence, const TagEvidence& seen) {
   if (evidence.metres_per_pixel <= 0) return std::nullopt;
   const TagTemplate& tag = evidence.survey.tag_template;
-  const auto& [p, f, lower_right, q] = seen.tag.corners;
-  const double length = (distance(p, f) + distance(q, lower_right)) / 2 * evidence.metres_per_pixel;
-  const double height = (distance(p, q) + distance(f, lower_right)) / 2 * evidence.metres_per_pixel;
-  const auto fits = [&](double found, double expected) {
-    return std::abs(found - expected) <=
-           std::max(0.005 * expected, 1.5 * evidence.metres_per_pixel);
-  };
-  if (fits(length, tag.frame_inner_length) && fits(height, tag.frame_inner_height)) {
-    return std::nullopt;
+  const auto [length, height, fits, is_rectangle] = printed_frame(evidence, seen.tag.corners);
+  if (fits && is_rectangle) return std::nullopt;
+  if (fits) {
+    return Finding{TagStatus::misprinted, "wrong-scale",
+                   seen.tag.tag +
+                       ": its feature frame is no rectangle: opposite sides, or the two diagonals, "
+                       "differ in length; the page was sheared, or photographed from the side"};
   }
   const double wide = length / tag.frame_inner_length;
   const double high = height / tag.frame_inner_height;

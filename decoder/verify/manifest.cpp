@@ -7,10 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/survey/compare.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
@@ -41,6 +43,8 @@ std::optional<ManifestTag> parse_tag(const json& object) {
   if (const auto p = find_value<std::array<double, 3>>(object, "position")) {
     tag.p_in_grid = Eigen::Vector3d(p->data());
   }
+  tag.chainage = find_value<double>(object, "chainage");
+  tag.is_kept = object.contains("revision");
   return tag;
 }
 
@@ -54,13 +58,17 @@ std::string outdated(const Survey& survey, const ManifestTag& printed) {
                        printed.name, to_string(printed.digits), survey.name,
                        to_string(placed->digits));
   }
-  if (!printed.p_in_grid) return {};
-  const double distance = (placed->p_in_grid - *printed.p_in_grid).norm();
-  if (distance <= kSamePlace) return {};
-  return fmt::format(
-      "the label of {} says a place {} mm from where survey {} now has it: print it "
-      "again, or keep the plate and hang it by the new list",
-      printed.name, format_number(distance * 1e3, 1), survey.name);
+  constexpr const char* kRemedy = "print it again, or keep the plate and hang it by the new list";
+  const double distance = printed.p_in_grid ? (placed->p_in_grid - *printed.p_in_grid).norm() : 0.0;
+  if (distance > kSamePlace) {
+    return fmt::format("the label of {} says a place {} mm from where survey {} now has it: {}",
+                       printed.name, format_number(distance * 1e3, 1), survey.name, kRemedy);
+  }
+  if (printed.chainage && std::abs(placed->chainage - *printed.chainage) > kSamePlace) {
+    return fmt::format("the label of {} says chainage {:.3f} m, but survey {} now has {:.3f} m: {}",
+                       printed.name, *printed.chainage, survey.name, placed->chainage, kRemedy);
+  }
+  return {};
 }
 
 // Why a document of all tags, such as the setting-out list, no longer holds; empty when it does.
@@ -69,8 +77,13 @@ std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
   std::size_t count = 0;
   constexpr std::size_t kMostNamed = 8;
   for (const ManifestTag& tag : manifest.tags) {
-    if (outdated(survey, tag).empty()) continue;
+    if (tag.is_kept || outdated(survey, tag).empty()) continue;
     if (++count <= kMostNamed) names += (names.empty() ? "" : " ") + tag.name;
+  }
+  const bool is_other = !manifest.revision.empty() && manifest.revision != survey_revision(survey);
+  if (count == 0 && is_other) {
+    return fmt::format("it is of another state of the survey ({}, now {}): print it again",
+                       manifest.revision, survey_revision(survey));
   }
   if (count == 0) return {};
   if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
@@ -89,6 +102,8 @@ std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
       {"plate_mm", "a plate", tag.plate_length, tag.plate_height},
       {"feature_frame_inner_mm", "a feature frame inside", tag.frame_inner_length,
        tag.frame_inner_height},
+      {"frame_offset_mm", "a feature frame away from the plate's middle by", tag.frame_offset_right,
+       tag.frame_offset_up},
   };
   constexpr double kSameSize = 0.001;  // mm
   for (const Size& size : sizes) {
@@ -107,6 +122,11 @@ std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
         tag.name, format_number(width, 3), format_number(height, 3));
   }
   return {};
+}
+
+void add_stale(const std::string& reason, VerifiedFile& file) {
+  file.stale = true;
+  file.add_finding("stale", "stale: " + reason);
 }
 
 PrinterScale parse_scale(const json& root) {
@@ -147,10 +167,11 @@ std::optional<TilePlan> parse_tiles(const json& root) {
 // Fields that older manifests lack; whatever is not understood is left out.
 void read_details(const json& root, PrintManifest& manifest) {
   constexpr int kMostDotsPerInch = 10'000;
-  for (const char* key : {"plate_mm", "feature_frame_inner_mm"}) {
+  for (const char* key : {"plate_mm", "feature_frame_inner_mm", "frame_offset_mm"}) {
     if (const auto sizes = find_value<std::array<double, 2>>(root, key))
       manifest.sizes[key] = *sizes;
   }
+  manifest.revision = find_value<std::string>(root, "revision").value_or("");
   manifest.documents =
       find_value<std::vector<std::string>>(root, "documents").value_or(std::vector<std::string>{});
   manifest.sha256 = find_value<std::map<std::string, std::string>>(root, "sha256")
@@ -184,7 +205,7 @@ Result<std::optional<PrintManifest>> find_manifest(const fs::path& print_file) {
   const auto survey = find_value<std::string>(root, "survey");
   if (!survey) return fail(path.string() + ": survey is no text, expected the survey's name");
   if (!root["tags"].is_array()) return fail(path.string() + ": tags is no list");
-  PrintManifest manifest{path, *survey, {}};
+  PrintManifest manifest{path, sha256(*bytes), *survey, {}};
   for (const json& object : root["tags"]) {
     std::optional<ManifestTag> tag = parse_tag(object);
     if (!tag) {
@@ -225,6 +246,27 @@ void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file) {
   }
 }
 
+void find_unlisted(const PrintManifest& manifest, VerifiedFile& file) {
+  file.add_finding("unlisted-file",
+                   fmt::format("{} does not list it: it may be of another state of the survey",
+                               manifest.file.string()));
+}
+
+// Tables that the manifest lists and that have changed since they were printed.
+void find_changed_tables(const PrintManifest& manifest, VerifiedFile& file) {
+  for (const std::string& name : manifest.documents) {
+    const auto hash = manifest.sha256.find(name);
+    if (!name.ends_with(".csv") || hash == manifest.sha256.end()) continue;
+    const fs::path table = manifest.file.parent_path() / name;
+    std::error_code ignored;
+    if (!fs::exists(table, ignored)) continue;
+    const Result<std::string> found = sha256_of_file(table);
+    if (found && *found == hash->second) continue;
+    file.add_finding("changed-file",
+                     fmt::format("{} beside it is not the file that was printed", name));
+  }
+}
+
 ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file) {
   if (std::ranges::count(manifest.documents, file) > 0) return ManifestEntry::document;
   if (tags_of_file(manifest, file).empty()) return ManifestEntry::stranger;
@@ -244,6 +286,7 @@ void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFil
   if (!tags.empty()) reasons.push_back(other_plate(manifest, survey.tag_template));
   for (const ManifestTag& tag : tags) reasons.push_back(outdated(survey, tag));
   if (tags.empty() && std::ranges::count(manifest.documents, name) > 0) {
+    find_changed_tables(manifest, file);
     reasons.push_back(outdated_list(survey, manifest));
   }
   std::erase(reasons, "");
@@ -254,10 +297,11 @@ void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFil
                                  manifest.survey, survey.name));
     return;
   }
-  for (const std::string& reason : reasons) {
-    file.stale = true;
-    file.add_finding("stale", "stale: " + reason);
-  }
+  for (const std::string& reason : reasons) add_stale(reason, file);
+}
+
+void find_stale(const ManifestTag& stated, const Survey& survey, VerifiedFile& file) {
+  if (const std::string reason = outdated(survey, stated); !reason.empty()) add_stale(reason, file);
 }
 
 }  // namespace tagsmith::detail

@@ -27,13 +27,17 @@ struct ManifestTag {
   std::string name;
   Digits digits{};
   std::vector<std::string> files;              // names in the manifest's folder
-  std::optional<Eigen::Vector3d> p_in_grid{};  // as printed on the label
+  std::optional<Eigen::Vector3d> p_in_grid{};  // these two as printed on the label, metres
+  std::optional<double> chainage{};
+  bool is_kept = false;  // of an earlier print than the manifest's documents
 };
 
 struct PrintManifest {
   std::filesystem::path file;
+  std::string sha256_of_file;
   std::string survey;
   std::vector<ManifestTag> tags;
+  std::string revision{};                                // of the survey; empty = not said
   std::vector<std::string> documents{};                  // files that hold no tag to hang
   std::map<std::string, std::string> sha256{};           // by file
   std::map<std::string, std::array<double, 2>> sizes{};  // plate_mm and others, millimetres
@@ -70,13 +74,21 @@ class ManifestCache {
   std::deque<Entry> entries_;  // the oldest first
 };
 
+// Of a print file that the manifest beside it does not list: nothing tells from which state of the
+// survey it is.
+void find_unlisted(const PrintManifest& manifest, VerifiedFile& file);
+
+// As find_stale by what a print file says of itself, where no manifest lists it.
+void find_stale(const ManifestTag& stated, const Survey& survey, VerifiedFile& file);
+
 // Adds a finding for each of these tags of the manifest that was not read in its file.
 void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file);
 
 // Whether the file is still what was printed and what the survey says: adds a finding when its
 // SHA-256 is not the manifest's, and makes it stale, with the reason among the findings, when the
 // survey now has other digits, another place or another plate for one of its tags, or no such tag.
-// A document is stale when one of the manifest's tags is.
+// A document is stale when one of the manifest's tags is, or the survey has another revision; it is
+// told, too, when a table of the manifest beside it is not the one that was printed.
 void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFile& file);
 
 }  // namespace tagsmith::detail

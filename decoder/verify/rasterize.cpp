@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <regex>
 
 #include <fmt/format.h>
@@ -72,6 +73,20 @@ std::string svg_problem(const std::string& error, const std::string& path) {
   return at == std::string::npos ? words : words.substr(at + path.size() + 2);
 }
 
+// Whether the drawing's size is stated in pixels, or not at all.
+bool is_in_pixels(const std::filesystem::path& path) {
+  constexpr std::size_t kHead = 4096;
+  std::string head(kHead, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  static const std::regex kRoot(R"(<(\w+:)?svg\b[^>]*>)");
+  static const std::regex kPhysical(R"(\bwidth\s*=\s*["'][^"']*(mm|cm|in|pt|pc|Q)\s*["'])");
+  std::smatch root;
+  if (!std::regex_search(head, root, kRoot)) return false;
+  return !std::regex_search(root.str(), kPhysical);
+}
+
 // A drawn pixel has the share of it that is paper, which is the light that it reflects: made the
 // sample that a camera would store of that light, as the reader takes it.
 GrayImage as_photographed(GrayImage drawn) {
@@ -88,7 +103,8 @@ GrayImage as_photographed(GrayImage drawn) {
 Result<PageImage> draw_page(const std::filesystem::path& path, int number, const std::string& dpi,
                             const std::vector<std::string>& part, const PrinterScale& scale) {
   const std::string page = std::to_string(number);
-  std::vector<std::string> argv{"pdftoppm", "-gray", "-f", page, "-l", page};
+  // What is printed is the crop box, where a file has one.
+  std::vector<std::string> argv{"pdftoppm", "-gray", "-cropbox", "-f", page, "-l", page};
   if (scale.is_true()) {
     argv.insert(argv.end(), {"-r", dpi});
   } else {
@@ -115,6 +131,27 @@ bool is_called_pdf(const std::filesystem::path& path) { return has_extension(pat
 bool is_pdf(std::string_view bytes) {
   constexpr std::size_t kFarthest = 1024;  // readers pass over what stands before it
   return bytes.substr(0, kFarthest).find("%PDF-") != std::string_view::npos;
+}
+
+std::optional<StatedTag> stated_tag(const std::filesystem::path& path, std::string_view bytes) {
+  constexpr std::size_t kHead = 4096;
+  std::string text(bytes.substr(0, kHead));
+  if (is_pdf(bytes)) {
+    Result<ProcessOutput> fields = run_poppler(path, {"pdfinfo", argument_of(path)});
+    if (!fields) return std::nullopt;
+    text = std::move(fields->out);
+  }
+  // "Title:           corridor 000L", "<title>corridor 000L</title>"; then
+  // "template tag-400x300, digits 0190 0000 040 4 (sum10)"
+  static const std::regex kTitle(R"((?:Title: +|<title>)[^\n<]* ([^\s<]+)\s*(?:\n|</title>))");
+  static const std::regex kDigits(R"(digits ([0-9 ]+) \()");
+  std::smatch title, digits;
+  if (!std::regex_search(text, title, kTitle) || !std::regex_search(text, digits, kDigits)) {
+    return std::nullopt;
+  }
+  StatedTag stated{title[1], digits[1]};
+  std::erase(stated.digits, ' ');
+  return stated;
 }
 
 Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
@@ -150,10 +187,15 @@ Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
 }
 
 Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_per_inch) {
+  constexpr double kPixelsPerInch = 96;  // CSS Values and Units 3, section 5.2
   const std::string dpi = format_number(dots_per_inch, 6);
-  const Result<ProcessOutput> output =
-      run_process({"rsvg-convert", "--dpi-x", dpi, "--dpi-y", dpi, "--background-color", "white",
-                   argument_of(path)});
+  std::vector<std::string> argv{"rsvg-convert", "--dpi-x", dpi, "--dpi-y", dpi};
+  // --dpi-x draws lengths in millimetres and the like larger, but not those in pixels.
+  if (is_in_pixels(path)) {
+    argv.insert(argv.end(), {"--zoom", format_number(dots_per_inch / kPixelsPerInch, 9)});
+  }
+  argv.insert(argv.end(), {"--background-color", "white", argument_of(path)});
+  const Result<ProcessOutput> output = run_process(argv);
   if (!output) {
     return fail(path.string() + ": SVG files need librsvg2-bin: " + output.error().message);
   }

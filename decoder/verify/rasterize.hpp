@@ -35,6 +35,15 @@ bool is_pdf(std::string_view bytes);
 // True when the file is called .svg, in any case of letters.
 bool is_svg(const std::filesystem::path& path);
 
+// What a print file of one tag says of itself, as `print` writes it into PDF and SVG.
+struct StatedTag {
+  std::string name;
+  std::string digits;  // twelve
+};
+
+// Of a PDF or SVG; nothing where it says nothing, or is of several tags.
+std::optional<StatedTag> stated_tag(const std::filesystem::path& path, std::string_view bytes);
+
 // The pages' sizes. Fails when poppler-utils is not installed, the file is no readable PDF, or has
 // more than 1000 pages.
 Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path);

@@ -94,8 +94,10 @@ struct VerifiedFile {
   std::filesystem::path file;
   std::string sha256{};    // empty when it cannot be read
   std::string revision{};  // of the survey it was verified against
-  int pages = 0;           // 0 for a picture
-  int width = 0;           // of a photo, pixels; 0 for print files
+  // What the result depends on besides content and survey (verify_file.hpp); empty = nothing.
+  std::string conditions{};
+  int pages = 0;  // 0 for a picture
+  int width = 0;  // of a photo, pixels; 0 for print files
   int height = 0;
   std::optional<int> orientation{};  // of a photo (EXIF, 1 to 8); nothing = it is not noted
   std::optional<PhotoLens> lens{};   // of a photo (EXIF)

@@ -20,6 +20,8 @@
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/date.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/revision.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith::detail {
@@ -184,6 +186,11 @@ Result<VerifiedFile> verify_pdf(const Task& task) {
   VerifiedFile file;
   file.up = UpSource::page;
   file.pages = static_cast<int>(pages->size());
+  if (task.input.bytes.find("/UserUnit") != std::string::npos) {
+    file.add_finding("wrong-scale",
+                     "its pages have a unit of their own (UserUnit), by which printers scale them: "
+                     "take the file that was made from the survey");
+  }
   for (int number = 1; number <= file.pages; ++number) {
     const Result<PageImage> page =
         rasterize_page(path, number, (*pages)[static_cast<std::size_t>(number - 1)],
@@ -306,6 +313,12 @@ Result<std::optional<VerifiedFile>> read_printed(const Task& task, ManifestEntry
   return std::optional(std::move(*file));
 }
 
+// Null where there is none.
+Result<std::shared_ptr<const PrintManifest>> manifest_beside(const VerifyRequest& request,
+                                                             const std::filesystem::path& path) {
+  return request.manifests != nullptr ? request.manifests->find(path) : ManifestCache().find(path);
+}
+
 // A file that `print` wrote.
 Result<VerifiedFile> verify_printed(const Task& task, ManifestEntry entry) {
   Result<std::optional<VerifiedFile>> read = read_printed(task, entry);
@@ -318,12 +331,33 @@ Result<VerifiedFile> verify_printed(const Task& task, ManifestEntry entry) {
   return file;
 }
 
+// A print file that no manifest lists, but that says which tag it is of.
+void find_stale_by_itself(const Task& task, VerifiedFile& file) {
+  const auto stated = stated_tag(task.input.path, task.input.bytes);
+  const auto digits = stated ? parse_digits(stated->digits) : std::nullopt;
+  if (!digits) return;
+  find_stale({stated->name, *digits, {}}, task.request.survey, file);
+}
+
 }  // namespace
 
+Result<std::string> conditions_of(const VerifyRequest& request, const std::filesystem::path& path) {
+  const auto manifest = manifest_beside(request, path);
+  if (!manifest) return fail(manifest.error().message);
+  std::vector<std::string> conditions;
+  const std::string name = path.filename().string();
+  if (*manifest && entry_of(**manifest, name) != ManifestEntry::stranger) {
+    conditions.push_back(fmt::format("{} of manifest {}", name, (*manifest)->sha256_of_file));
+  }
+  if (request.scan_dpi) conditions.push_back(format_number(*request.scan_dpi) + " dpi");
+  for (const Survey& other : request.also) {
+    conditions.push_back(fmt::format("{} {}", other.name, survey_revision(other)));
+  }
+  return fmt::format("{}", fmt::join(conditions, "; "));
+}
+
 Result<VerifiedFile> verify_file(const VerifyRequest& request, const InputFile& input) {
-  const Result<std::shared_ptr<const PrintManifest>> manifest =
-      request.manifests != nullptr ? request.manifests->find(input.path)
-                                   : ManifestCache().find(input.path);
+  const auto manifest = manifest_beside(request, input.path);
   if (!manifest) return fail(manifest.error().message);
   const std::string name = input.path.filename().string();
   const ManifestEntry entry = *manifest ? entry_of(**manifest, name) : ManifestEntry::stranger;
@@ -335,6 +369,10 @@ Result<VerifiedFile> verify_file(const VerifyRequest& request, const InputFile& 
   }
   Result<VerifiedFile> file = is_printed ? verify_printed(task, entry) : read_and_check(task);
   if (!file) return file;
+  if (!is_printed && file->up == UpSource::page) {
+    if (*manifest) find_unlisted(**manifest, *file);
+    find_stale_by_itself(task, *file);
+  }
   file->file = input.path;
   file->sha256 = input.sha256;
   return file;

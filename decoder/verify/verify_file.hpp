@@ -32,6 +32,12 @@ struct VerifyRequest {
   PictureReading read = read_tags;
 };
 
+// What the file's result depends on besides its content and the survey: resolution of a scan, its
+// name and the manifest beside it, the other surveys. A result that was found under other
+// conditions does not stand for the file. (Where tags hang, by a rig, is judged of all files anew.)
+// Empty = nothing of these; fails as find_manifest does.
+Result<std::string> conditions_of(const VerifyRequest& request, const std::filesystem::path& path);
+
 // Reads the file and checks its tags. In print files (PDF, SVG, and PNG that the manifest beside it
 // names) every page must hold a tag, the printed size must be the template's, and the content what
 // the manifest says; the file must be the one that was printed, and not stale. Tiles are put

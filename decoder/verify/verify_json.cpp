@@ -136,6 +136,7 @@ Json to_json(const VerifiedFile& file) {
       {"file", file.file.string()}, {"tags", std::move(tags)}, {"findings", findings_of(file)}};
   if (!file.sha256.empty()) object["sha256"] = file.sha256;
   if (!file.revision.empty()) object["revision"] = file.revision;
+  if (!file.conditions.empty()) object["conditions"] = file.conditions;
   if (const auto rules = rules_of(file); !rules.empty()) object["rules"] = rules;
   if (!file.mixed.empty()) object["mixed"] = file.mixed;
   if (file.pages > 0) object["pages"] = file.pages;
@@ -352,6 +353,7 @@ VerifiedFile file_from(const json& object) {
   VerifiedFile file{object.at("file").get<std::string>()};
   file.sha256 = get_or<std::string>(object, "sha256");
   file.revision = get_or<std::string>(object, "revision");
+  file.conditions = get_or<std::string>(object, "conditions");
   file.pages = size_from(object, "pages");
   file.width = size_from(object, "width");
   file.height = size_from(object, "height");

@@ -96,6 +96,39 @@ void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
   if (!in_order) add_fault(merged, fault_of(file, tag));
 }
 
+std::uint64_t fault_hash(const std::string& identity, const std::string& words) {
+  return std::hash<std::string>{}(identity + "\n" + words);
+}
+
+void know_faults(const std::string& identity, const VerifiedFile& file, VerifyMerge& merged) {
+  for (const VerifiedTag& tag : file.tags) {
+    if (tag.is_fault()) merged.known.insert(fault_hash(identity, tag.tag + tag.rule));
+  }
+  for (const std::string& rule : file.rules) merged.known.insert(fault_hash(identity, rule));
+}
+
+// What another run did not find in the same file, as one that was told the rig or the resolution
+// finds more. Such a file is counted once, but nothing that was found is lost.
+void add_new_faults(const std::string& identity, VerifiedFile& file, VerifyMerge& merged) {
+  const auto is_new = [&](const std::string& words) {
+    return merged.known.insert(fault_hash(identity, words)).second;
+  };
+  std::set<std::string> rules = file.rules;
+  for (VerifiedTag& tag : file.tags) {
+    if (!tag.is_fault()) continue;
+    rules.erase(tag.rule);
+    if (!is_new(tag.tag + tag.rule)) continue;
+    TagRecord& record = merged.tags[tag.tag];
+    ++record.faults;
+    record.doubts += tag.status == TagStatus::doubtful ? 1 : 0;
+    add_fault(merged, fault_of(file, tag));
+  }
+  if (file.only_lacks_tags()) return;
+  for (const std::string& rule : rules) {
+    if (is_new(rule)) add_fault(merged, fault_of(file, rule));
+  }
+}
+
 void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
                 std::vector<UnseenStretch>& stretches) {
   std::vector<const PlacedTag*> wall;
@@ -154,10 +187,14 @@ void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) 
   for (const VerifiedTag& tag : file.tags) {
     ++merged.by_status[static_cast<std::size_t>(tag.status)];
   }
-  if (!merged.known.insert(std::hash<std::string>{}(identity_of(file))).second) {
+  const std::string identity = identity_of(file);
+  const bool is_new = merged.known.insert(std::hash<std::string>{}(identity)).second;
+  if (!is_new) {
     ++merged.repeated;
+    add_new_faults(identity, file, merged);
     return;
   }
+  know_faults(identity, file, merged);
   ++merged.files;
   if (!file.revision.empty() && file.revision != revision) ++merged.other_revisions;
   for (const std::string& note : file.notes) {

@@ -71,7 +71,8 @@ inline constexpr std::size_t kMostWholeBytes = 4U << 20U;
 
 struct VerifyMerge {
   std::size_t files = 0;
-  std::size_t repeated = 0;         // verified in more than one run, and counted once
+  std::size_t repeated = 0;         // verified in more than one run, and counted once;
+                                    // what any of the runs found wrong is listed
   std::size_t other_revisions = 0;  // verified against another state of the survey
   // Of all files, repeated ones too.
   std::size_t files_with_findings = 0;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/csv.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
 
@@ -34,10 +35,6 @@ Json tag_json(const PrintedTag& printed, const std::string& folder) {
           {"rounding", rounded_point(tag.coded_in_grid - tag.p_in_grid)},
           {"chainage", to_micrometre(tag.chainage)},
           {"files", json_list(printed.files, [&](const auto& file) { return folder + file; })}};
-}
-
-void append_point(std::vector<std::string>& fields, const Eigen::Vector3d& point) {
-  for (const double coordinate : point) fields.push_back(format_number(coordinate));
 }
 
 // Where the tiles of a plate belong: tile (column, row) shows its window of the page `step` further
@@ -77,6 +74,52 @@ Json printer_json(const PrinterProfile& printer) {
           {"scale", {to_micrometre(printer.scale.right), to_micrometre(printer.scale.down)}}};
 }
 
+// What all files of a print have in common.
+Json common_json(const PrintJob& job) {
+  const TagTemplate& tag = job.printed;
+  const Page page = pages_of(job, job.units.front()).back();
+  return {{"survey", job.survey->name},
+          {"survey_file", job.survey->file.string()},
+          {"revision", job.style.revision},
+          {"template", tag.name},
+          {"check_digit", to_string(job.survey->code.check)},
+          {"page_mm", {mm(page.width), mm(page.height)}},
+          {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
+          {"feature_frame_inner_mm", {mm(tag.frame_inner_length), mm(tag.frame_inner_height)}},
+          {"frame_offset_mm", {mm(tag.frame_offset_right), mm(tag.frame_offset_up)}},
+          {"module_mm", mm(module_width(tag))},
+          {"quiet_zone_modules", to_micrometre(tag.quiet_zone_modules)},
+          {"dots_per_inch", job.dots_per_inch()},
+          {"png_dots_per_inch", job.png_dots_per_inch()},
+          {"tiled", job.style.tiled},
+          {"rounding", job.rounding},
+          {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
+          {"material", tag.material},
+          {"paper", job.style.paper ? job.style.paper->name : ""}};
+}
+
+Json tags_json(const PrintRecord& record) {
+  Json tags = json_list(record.tags, [](const auto& item) { return tag_json(item, {}); });
+  for (const Json& kept : Json::parse(record.kept_tags)) tags.push_back(kept);
+  return tags;
+}
+
+// A tag of an earlier print all of whose files are still there.
+void keep_tag(Json tag, const Json& earlier, const std::filesystem::path& folder,
+              PrintRecord& record, Json& kept) {
+  const auto files = tag.at("files").get<std::vector<std::string>>();
+  std::error_code ignored;
+  const auto is_there = [&](const std::string& file) {
+    return !record.sha256.contains(file) && std::filesystem::exists(folder / file, ignored);
+  };
+  if (files.empty() || !std::ranges::all_of(files, is_there)) return;
+  for (const std::string& file : files) {
+    record.kept_sha256[file] = earlier.at("sha256").at(file).get<std::string>();
+  }
+  if (!tag.contains("revision")) tag["revision"] = earlier.at("revision");
+  kept.push_back(std::move(tag));
+}
+
 }  // namespace
 
 std::string printed_tag_json(const PrintedTag& printed, const std::string& folder) {
@@ -96,30 +139,12 @@ std::vector<PrintedTag> printed_tags(const PrintJob& job) {
 }
 
 std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) {
-  const TagTemplate& tag = job.printed;
-  const Page page = pages_of(job, job.units.front()).back();
-  const auto one_tag = [](const PrintedTag& item) { return tag_json(item, {}); };
-  Json manifest{
-      {"survey", job.survey->name},
-      {"survey_file", job.survey->file.string()},
-      {"revision", job.style.revision},
-      {"template", tag.name},
-      {"check_digit", to_string(job.survey->code.check)},
-      {"page_mm", {mm(page.width), mm(page.height)}},
-      {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
-      {"feature_frame_inner_mm", {mm(tag.frame_inner_length), mm(tag.frame_inner_height)}},
-      {"module_mm", mm(module_width(tag))},
-      {"quiet_zone_modules", to_micrometre(tag.quiet_zone_modules)},
-      {"dots_per_inch", job.dots_per_inch()},
-      {"png_dots_per_inch", job.png_dots_per_inch()},
-      {"tiled", job.style.tiled},
-      {"rounding", job.rounding},
-      {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
-      {"material", tag.material},
-      {"paper", job.style.paper ? job.style.paper->name : ""},
-      {"tags", json_list(record.tags, one_tag)},
-      {"documents", record.documents},
-      {"sha256", record.sha256}};
+  Json manifest = common_json(job);
+  manifest["tags"] = tags_json(record);
+  manifest["documents"] = record.documents;
+  std::map<std::string, std::string> hashes = record.sha256;
+  hashes.insert(record.kept_sha256.begin(), record.kept_sha256.end());
+  manifest["sha256"] = hashes;
   if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);
   if (job.style.printer) manifest["printer"] = printer_json(*job.style.printer);
   if (job.roll) manifest["roll"] = roll_json(*job.roll);
@@ -136,24 +161,48 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
       "rounding_z,chainage,files,template,check_digit,page_width_mm,page_height_mm,plate_length_mm,"
       "plate_height_mm,frame_inner_length_mm,frame_inner_height_mm,module_mm,revision",
       ','));
-  for (const PrintedTag& item : record.tags) {
-    std::vector<std::string> fields{survey.name, survey.file.string(), item.tag->name,
-                                    to_string(item.tag->side), to_string(item.tag->digits)};
-    append_point(fields, item.tag->p_in_grid);
-    append_point(fields, item.tag->coded_in_grid);
-    append_point(fields, item.tag->coded_in_grid - item.tag->p_in_grid);
+  for (const Json& item : tags_json(record)) {
+    std::vector<std::string> fields{survey.name, survey.file.string(), item.at("tag"),
+                                    item.at("side"), item.at("digits")};
+    for (const char* point : {"position", "coded_position", "rounding"}) {
+      for (const Json& coordinate : item.at(point)) fields.push_back(format_number(coordinate));
+    }
+    const auto files = item.at("files").get<std::vector<std::string>>();
     fields.insert(fields.end(),
-                  {format_number(item.tag->chainage), fmt::format("{}", fmt::join(item.files, ";")),
+                  {format_number(item.at("chainage")), fmt::format("{}", fmt::join(files, ";")),
                    tag.name, to_string(survey.code.check)});
     for (const double length :
          {page.width, page.height, tag.plate_length, tag.plate_height, tag.frame_inner_length,
           tag.frame_inner_height, module_width(tag)}) {
       fields.push_back(mm_text(length, 6));
     }
-    fields.push_back(job.style.revision);
+    fields.push_back(item.value("revision", job.style.revision));
     csv += csv_row(fields);
   }
   return csv;
+}
+
+void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
+                       PrintRecord& record) {
+  constexpr std::uintmax_t kMostBytes = 16U << 20U;
+  const Result<std::string> bytes = read_file(folder / "manifest.json", kMostBytes);
+  if (!bytes) return;
+  try {
+    const Json earlier = Json::parse(*bytes);
+    const Json common = common_json(job);
+    for (const auto& [key, value] : common.items()) {
+      const bool may_differ = key == "survey_file" || key == "revision";
+      if (!may_differ && earlier.value(key, Json()) != value) return;
+    }
+    Json kept = Json::array();
+    for (const Json& tag : earlier.at("tags")) {
+      keep_tag(tag, earlier, folder, record, kept);
+    }
+    record.kept_tags = json_text(kept);
+  } catch (const nlohmann::json::exception&) {
+    // It is none of ours, or damaged: verify then names the files that no manifest lists.
+    record.kept_sha256.clear();
+  }
 }
 
 }  // namespace tagsmith::detail

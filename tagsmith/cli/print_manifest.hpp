@@ -2,6 +2,7 @@
 // What was printed: the list that goes to the sign maker and the installer with the files.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -23,7 +24,16 @@ struct PrintRecord {
   std::vector<std::string> documents;           // files that hold no tag to hang
   std::map<std::string, std::string> sha256{};  // by file
   std::optional<std::vector<TagProof>> proofs{};
+  // JSON list of the tags of earlier prints whose files are still in the folder, and these files.
+  std::string kept_tags = "[]";
+  std::map<std::string, std::string> kept_sha256{};
 };
+
+// Takes over what the folder's manifest says of files that this print leaves as they are, so that
+// `verify` still knows whether they are stale. Nothing of a manifest of another survey, template or
+// kind of print.
+void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
+                       PrintRecord& record);
 
 // The job's tags and the files that show them.
 std::vector<PrintedTag> printed_tags(const PrintJob& job);

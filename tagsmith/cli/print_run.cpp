@@ -145,7 +145,8 @@ Result<void> publish_with_zip(const PrintJob& job, const PrintRecord& record, St
   return beside->publish();
 }
 
-Result<void> write_all(const PrintJob& job, StagedFiles& files, PrintRecord& record) {
+Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder, StagedFiles& files,
+                       PrintRecord& record) {
   {
     ProgressBar bar("printed", job.units.size());
     auto written = write_print(job, files, [&] { bar.advance([] {}); });
@@ -159,6 +160,7 @@ Result<void> write_all(const PrintJob& job, StagedFiles& files, PrintRecord& rec
     if (!found) return fail(found.error().message);
     hash = *found;
   }
+  keep_earlier_tags(job, folder, record);
   auto added = files.add(kManifestJson, print_manifest_json(job, record));
   if (added) added = files.add(kManifestCsv, print_manifest_csv(job, record));
   if (!added || job.style.zip.empty()) return added ? files.publish() : added;
@@ -182,7 +184,7 @@ Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& 
   if (auto usable = files.check(); !usable) return fail(usable.error().message);
   Result<StagedFiles> staged = StagedFiles::begin(folder);
   if (!staged) return fail(staged.error().message);
-  const Result<void> written = write_all(job, *staged, record);
+  const Result<void> written = write_all(job, folder, *staged, record);
   return written ? Result<PrintRecord>(std::move(record)) : fail(written.error().message);
 }
 

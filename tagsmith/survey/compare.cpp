@@ -6,9 +6,11 @@
 #include <map>
 #include <optional>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -39,8 +41,13 @@ std::optional<TagDifference> compare(const PlacedTag& before, const PlacedTag& a
     return TagDifference{after.name, TagChange::reprint, distance,
                          template_change + (moved ? "; moves by " + where : "")};
   }
-  if (!moved) return std::nullopt;
-  return TagDifference{after.name, TagChange::move, distance, "by " + where};
+  const double turned = Eigen::AngleAxisd(before.world_from_plate.rotation.transpose() *
+                                          after.world_from_plate.rotation)
+                            .angle();
+  if (moved) return TagDifference{after.name, TagChange::move, distance, "by " + where};
+  if (turned < kSameDirection) return std::nullopt;
+  return TagDifference{after.name, TagChange::move, distance,
+                       fmt::format("turned by {:.1f} degrees", degrees(turned))};
 }
 
 }  // namespace
@@ -68,6 +75,9 @@ std::string describe_template_change(const TagTemplate& before, const TagTemplat
       {"module", module_width(before), module_width(after)},
       {"bars' height", bar_height(before), bar_height(after)},
   };
+  if (before.white_on_black != after.white_on_black) {
+    return after.white_on_black ? "it becomes white on black" : "it becomes black on white";
+  }
   constexpr double kSameLength = 1e-6;
   for (const Length& length : lengths) {
     if (std::abs(length.before - length.after) < kSameLength) continue;

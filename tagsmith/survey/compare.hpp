@@ -12,7 +12,7 @@ namespace tagsmith::detail {
 enum class TagChange {
   print,    // a new tag
   reprint,  // its plate says or looks otherwise
-  move,     // the same plate hangs elsewhere
+  move,     // the same plate hangs elsewhere, or turned
   remove,   // the tag is gone: an old plate gives a wrong position
 };
 
@@ -28,6 +28,10 @@ struct TagDifference {
 
 // Places nearer to each other than this are the same, metres.
 inline constexpr double kSamePlace = 0.0005;
+
+// Attitudes that differ by less than this are the same, radians: a plate of 0.4 m is then within
+// 1 mm.
+inline constexpr double kSameDirection = 0.0025;
 
 // What there is to do, in the order of the new survey, then the removed tags. Labels count only
 // where the plate is printed anew anyway: the code identifies a plate.

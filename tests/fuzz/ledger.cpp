@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto path = folder.path() / "ledger.db";
   std::ofstream(path, std::ios::binary | std::ios::trunc) << fuzz::as_text(data, size);
   if (const auto ledger = Ledger::open_to_read(path)) {
-    (void)ledger->count_photos("corridor", "2026-03-31");
+    (void)ledger->count_photos("corridor", "2026-03-31", "abc");
     (void)ledger->for_each_sighting("corridor", [](const PlateSighting&) {});
   }
   (void)Ledger::open_to_write(path);

@@ -104,7 +104,8 @@ TEST_CASE("the time of a run dates photos that say none") {
   const std::string photo = fs::absolute(kPhotos + "/corridor_01_left.jpg").string();
   const std::string run = (folder.path() / "run.csv").string();
   for (const auto& [time, taken] :
-       {std::pair{"1774965909", "2026-03-31T14:05:09Z\n"}, std::pair{"12.5", "\n"}}) {
+       {std::pair{"12.5", "\n"}, std::pair{"1774965909", "2026-03-31T14:05:09Z\n"},
+        std::pair{"12.5", "2026-03-31T14:05:09Z\n"}}) {
     REQUIRE(write_file(run, "id,left,time\n1," + photo + "," + time + "\n"));
     run_tagsmith("verify " + kSurvey + " --rig surveys/corridor/rig.yaml --run " + run +
                  " --ledger " + ledger.string());

@@ -129,7 +129,7 @@ TEST_CASE("the page says how many photos have no date, if any") {
   const test::TemporaryFolder folder;
   const std::string database = (folder.path() / "a.db").string();
   const std::string page = (folder.path() / "page.html").string();
-  const std::regex undated("class=\"known\">([0-9]+) ");
+  const std::regex undated("class=\"known\">([0-9]+) of them without");
   for (const int count : {0, 2}) {
     CAPTURE(count);
     {

@@ -91,10 +91,10 @@ TEST_CASE("photos of another survey stand beside, print files and broken ones ar
   Result<Ledger> ledger = Ledger::open_to_write(path);
   REQUIRE(ledger);
   CHECK(ledger->enter("drift", std::array{undated, numbered_photo(4)})->added == 2);
-  CHECK(ledger->count_photos("drift", "2026-12-31")->photos == 2);
-  CHECK(ledger->count_photos("drift", "2026-12-31")->undated == 1);
-  CHECK(ledger->count_photos("corridor", "2026-12-31")->photos == 1);
-  CHECK(ledger->count_photos("none", "2026-12-31")->photos == 0);
+  CHECK(ledger->count_photos("drift", "2026-12-31", "abc")->photos == 2);
+  CHECK(ledger->count_photos("drift", "2026-12-31", "abc")->undated == 1);
+  CHECK(ledger->count_photos("corridor", "2026-12-31", "abc")->photos == 1);
+  CHECK(ledger->count_photos("none", "2026-12-31", "abc")->photos == 0);
 }
 
 TEST_CASE("what is entered is read back") {
@@ -156,7 +156,7 @@ TEST_CASE("a run that is killed and repeated leaves what an undisturbed one does
       const Result<Ledger> ledger = Ledger::open_to_read(path);
       if (photos == 0 && fs::exists(path)) break;
       const auto count =
-          ledger ? ledger->count_photos("corridor", "2026-12-31") : Result<LedgerCounts>();
+          ledger ? ledger->count_photos("corridor", "2026-12-31", "abc") : Result<LedgerCounts>();
       if (count && count->photos >= photos && photos > 0) break;
     }
     kill(writer, SIGKILL);
@@ -241,7 +241,7 @@ TEST_CASE("a ledger that cannot be written is refused") {
   REQUIRE(enter_each(path, 0, 1));
   fs::permissions(path, fs::perms::owner_read);
   if (geteuid() != 0) CHECK(refusal_to_write(path).find("written") != std::string::npos);
-  CHECK(Ledger::open_to_read(path)->count_photos("corridor", "2026-12-31")->photos == 1);
+  CHECK(Ledger::open_to_read(path)->count_photos("corridor", "2026-12-31", "abc")->photos == 1);
 }
 
 TEST_CASE("names that mean something else to SQLite are names of files") {

@@ -214,7 +214,22 @@ TEST_CASE("a photo without a date is counted and in no trend") {
   CHECK(state.photos == 3);
   CHECK(state.undated == 1);
   CHECK(state.action == PlateAction::none);
-  CHECK(judge({undated}).action == PlateAction::unseen);
+  // Its fault is told until a photo with a date shows the plate in order.
+  CHECK(judge({undated}).action == PlateAction::reprint);
+  REQUIRE(state.mended.size() == 1);
+  CHECK_FALSE(state.mended[0].last_found);
+  const auto undated_moved = [&] {
+    PlateSighting moved = bad(kDays[0], TagStatus::misplaced, "moved");
+    moved.taken.clear();
+    return moved;
+  }();
+  CHECK(judge({undated_moved, good(kDays[0])}).action == PlateAction::rehang);
+  auto hidden = undated;
+  hidden.finding = {TagStatus::unreadable, "covered", ""};
+  auto shown = good(kDays[0]);
+  shown.taken.clear();
+  CHECK(judge({hidden}).action == PlateAction::clean);
+  CHECK(judge({hidden, shown}).action == PlateAction::unseen);
   CHECK(judge({}).action == PlateAction::unseen);
   // Nor what a ledger was made to say.
   undated.taken = "2026-99-99 nonsense";

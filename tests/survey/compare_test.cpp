@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/compare.hpp"
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include "tagsmith/survey/read_survey.hpp"
@@ -50,6 +51,24 @@ TEST_CASE("other digits reprint, other places with the same digits move, other p
   const std::vector<TagDifference> all = compare_surveys(before, other_plate);
   CHECK(all.size() == before.tags.size());
   CHECK(all[0].reason == "the frame's stroke becomes 13 mm (was 12)");
+  other_plate = before;
+  other_plate.tag_template.white_on_black = true;
+  CHECK(compare_surveys(before, other_plate).front().change == TagChange::reprint);
+}
+
+TEST_CASE("a plate that is turned in its place is to be hung again") {
+  const Survey before = survey_of(right_survey());
+  const auto turned = [&](double angle) {
+    Survey after = before;
+    after.tags[2].world_from_plate.rotation *=
+        Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    return compare_surveys(before, after);
+  };
+  CHECK(turned(0.002).empty());
+  REQUIRE(turned(0.1).size() == 1);
+  CHECK(turned(0.1)[0].change == TagChange::move);
+  CHECK(turned(0.1)[0].distance == 0);
+  CHECK(turned(0.1)[0].reason == "turned by 5.7 degrees");
 }
 
 TEST_CASE("a place at the grid's axes has no sign") {

@@ -131,6 +131,62 @@ TEST_CASE("a print at the wrong scale is found") {
   }
 }
 
+TEST_CASE("a frame in a file is to be right to 0.2 %, and to be a rectangle") {
+  const Survey survey = survey_of_four();
+  PictureEvidence evidence{survey, {}};
+  evidence.metres_per_pixel = 0.0254 / 150;
+  const double width = 0.343 / evidence.metres_per_pixel;
+  const double height = 0.168 / evidence.metres_per_pixel;
+  const auto is_found = [&](const FrameCorners& corners) {
+    TagEvidence seen;
+    seen.tag.corners = corners;
+    return find_wrong_scale(evidence, seen).has_value();
+  };
+  const FrameCorners smaller = rectangle(0.9965 * width, 0.9965 * height);
+  CHECK_FALSE(is_found(smaller));
+  const auto sheared = [&](double share) {
+    FrameCorners corners = rectangle(width, height);
+    for (const std::size_t below : {2U, 3U}) corners[below].x += share * height;
+    return corners;
+  };
+  const auto narrowed = [&](double share) {
+    FrameCorners corners = rectangle(width, height);
+    corners[2].x -= share * width / 2;
+    corners[3].x += share * width / 2;
+    return corners;
+  };
+  CHECK_FALSE(is_found(sheared(0.004)));
+  CHECK(is_found(sheared(0.02)));
+  CHECK_FALSE(is_found(narrowed(0.004)));
+  CHECK(is_found(narrowed(0.01)));
+  evidence.up = UpSource::page;
+  CHECK(is_found(smaller));
+  CHECK_FALSE(is_found(rectangle(0.999 * width, 0.999 * height)));
+  CHECK(is_found(sheared(0.008)));
+}
+
+TEST_CASE("what a later run finds in a file is listed, and the file counted once") {
+  VerifiedFile plain{"photo.jpg"};
+  plain.sha256 = "ab";
+  plain.tags.resize(1);
+  plain.tags[0].tag = "000L";
+  VerifiedFile strict = plain;
+  strict.tags[0].status = TagStatus::misplaced;
+  strict.tags[0].rule = "moved";
+  strict.add_finding("stale", "stale: because");
+  for (const bool strict_first : {true, false}) {
+    VerifyMerge merged;
+    merge("", strict_first ? strict : plain, merged);
+    merge("", strict_first ? plain : strict, merged);
+    merge("", strict, merged);
+    CHECK(merged.files == 1);
+    CHECK(merged.repeated == 2);
+    CHECK(merged.fault_count == 2);
+    CHECK(merged.tags["000L"].faults == 1);
+    CHECK(status_of(merged.tags["000L"]) == "faulty");
+  }
+}
+
 TEST_CASE("a frame that is too small alike both ways has one scale, a stretched one two") {
   const Survey survey = survey_of_four();
   PictureEvidence evidence{survey, {}};

@@ -234,6 +234,74 @@ TEST_CASE("files are stale when the survey has moved a tag, changed its digits o
   CHECK(verify() == 3);
 }
 
+TEST_CASE("files of an earlier print are stale, listed or not, and with other tables told") {
+  const TemporaryFolder folder;
+  const fs::path print = folder.path() / "print";
+  const std::string exchanged =
+      "placed:\n"
+      "  - { tag: 000L, side: left, p: [1.9, 0.8, 0.4], digits: \"019000800402\" }\n"
+      "  - { tag: 001L, side: left, p: [1.9, 0.0, 0.4], digits: \"019000000404\" }\n";
+  const fs::path survey = folder.path() / "survey.yaml";
+  REQUIRE(write_file(survey, *read_file(kSurvey) + exchanged));
+  print_into(print, "--tags 000L,001L");
+  fs::create_directories(folder.path() / "copies");
+  fs::copy_file(print / "000L.pdf", folder.path() / "copies" / "first.pdf");
+  REQUIRE(run_tagsmith("print '" + survey.string() + "' -o '" + print.string() +
+                       "' --format pdf --tags 000R")
+              .exit_code == 0);
+  fs::copy_file(print / "000R.pdf", print / "000R (1).pdf");
+  const auto rules_of_files = [&](const fs::path& files) {
+    std::map<std::string, json> rules;
+    for (const json& line :
+         json_lines(run_tagsmith("verify --json '" + survey.string() + "' '" + files.string() + "'")
+                        .out)) {
+      if (line.contains("file")) {
+        rules[fs::path(line["file"].get<std::string>()).filename()] = line.value("rules", json());
+      }
+    }
+    return rules;
+  };
+  std::map<std::string, json> rules = rules_of_files(print);
+  CHECK(rules["000L.pdf"] == json{"stale"});
+  CHECK(rules["001L.pdf"] == json{"stale"});
+  CHECK(rules["000R.pdf"].is_null());
+  CHECK(rules["000R (1).pdf"] == json{"unlisted-file"});
+  CHECK(rules["setting-out.pdf"].is_null());
+  // Without a manifest the file says itself of which tag it is.
+  CHECK(rules_of_files(folder.path() / "copies")["first.pdf"] == json{"stale"});
+  REQUIRE(write_file(print / "setting-out.csv", "tag\n"));
+  CHECK(rules_of_files(print)["setting-out.pdf"] == json{"changed-file"});
+  // Another zero of the chainage changes labels and list, and no code.
+  std::string text = *read_file(survey);
+  text.replace(text.find("first: 0.0"), 10, "first: 0.5");
+  text.replace(text.find("start: [0.95, 0.0, 0.0]"), 23, "start: [0.95, -0.5, 0.0]");
+  REQUIRE(write_file(survey, text));
+  rules = rules_of_files(print);
+  CHECK(rules["000R.pdf"] == json{"stale"});
+  CHECK(rules["setting-out.pdf"].size() == 2);
+}
+
+TEST_CASE("a scan that was verified as a photo is verified again") {
+  const TemporaryFolder folder;
+  print_into(folder.path(), "--tags 000L --format png --dpi 150");
+  const std::string scan = "'" + (folder.path() / "scan.png").string() + "'";
+  fs::rename(folder.path() / "000L.png", folder.path() / "scan.png");
+  const std::string lines = "'" + (folder.path() / "lines.jsonl").string() + "'";
+  const std::string command = "verify --json --resume " + lines + " " + kSurvey + " " + scan;
+  CHECK(run_shell("\"$TAGSMITH_PROGRAM\" " + command + " >> " + lines).exit_code == 0);
+  CHECK(json_lines(run_tagsmith(command).out).size() == 1);
+  const std::vector<json> again = json_lines(run_tagsmith(command + " --dpi 155").out);
+  REQUIRE(again.size() == 2);
+  CHECK(again[0]["rules"] == json{"wrong-scale"});
+}
+
+TEST_CASE("surveys whose codes cannot be told apart are not verified together") {
+  const ProgramOutput output =
+      run_tagsmith("verify " + kSurvey + " " + kPhotos + " --also " + kSurvey);
+  CHECK(output.exit_code == 2);
+  CHECK(output.err.find("[duplicate-survey]") != std::string::npos);
+}
+
 TEST_CASE("a page that was fitted to A4 is misprinted") {
   const TemporaryFolder folder;
   print_into(folder.path(), "--tags 000L");
@@ -257,7 +325,7 @@ TEST_CASE("a tag that is in a PDF twice is a duplicate") {
   const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " " + twice);
   CHECK(output.exit_code == 1);
   const json line = json_lines(output.out).at(0);
-  CHECK(line["rules"] == json::array({"duplicate"}));
+  CHECK(line["rules"] == json::array({"duplicate", "unlisted-file"}));
   REQUIRE(line["tags"].size() == 2);
   CHECK(line["tags"][0]["status"] == "ok");
   CHECK(line["tags"][0]["page"] == 1);
