@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "decoder/localize/plate_search.hpp"
@@ -34,16 +35,19 @@ SightedPlate plate_for(const PlacedTag& tag, const Survey& survey) {
 
 // --- the vehicle's own axes ---
 
-// A vehicle of the rig's height that follows the drive, abreast of a place.
-VehiclePose following(const Survey& survey, const Rig& rig, const Vector3d& place) {
+// A vehicle of the rig's height that follows the drive, or points against it, abreast of a place.
+VehiclePose following(const Survey& survey, const Rig& rig, const Vector3d& place,
+                      bool is_backward) {
   const Centerline& line = survey.tunnel.centerline;
   FloorStance stance;
   stance.height = rig.vehicle_height;
+  if (is_backward) stance.yaw = std::numbers::pi;
   return vehicle_on_floor(line.at(line.locate(place.head<2>()).chainage), stance);
 }
 
-VehiclePrior prior_at(const Survey& survey, const Rig& rig, const Vector3d& place) {
-  VehiclePrior prior{following(survey, rig, place)};
+VehiclePrior prior_at(const Survey& survey, const Rig& rig, const Vector3d& place,
+                      bool is_backward) {
+  VehiclePrior prior{following(survey, rig, place, is_backward)};
   prior.sigma[vehicle_parameter::kZ] = rig.height_sigma;
   prior.sigma[vehicle_parameter::kHeading] =
       rig.envelope && rig.envelope->yaw > 0 ? rig.envelope->yaw : kUsualYaw;
@@ -55,14 +59,15 @@ VehiclePrior prior_at(const Survey& survey, const Rig& rig, const Vector3d& plac
 // --- where the search starts ---
 
 // The attitudes on the vehicle that a sighting allows its camera, were the vehicle level and along
-// the drive.
+// the drive, or against it.
 std::vector<Matrix3d> attitudes(const Survey& survey, const Rig& rig, const SightedPlate& plate,
-                                const Sighting& sighting) {
+                                const Sighting& sighting, bool is_backward) {
   std::vector<Matrix3d> result;
   const auto poses = camera_poses_from(rig.cameras[sighting.camera].camera, plate, sighting);
   if (!poses) return result;
   for (const Pose& world_from_camera : *poses) {
-    const Pose vehicle = world_from_vehicle(following(survey, rig, world_from_camera.translation));
+    const Pose vehicle =
+        world_from_vehicle(following(survey, rig, world_from_camera.translation, is_backward));
     result.push_back(vehicle.rotation.transpose() * world_from_camera.rotation);
   }
   return result;
@@ -77,6 +82,30 @@ std::size_t supporters(const std::vector<std::vector<Matrix3d>>& seen, const Mat
       return angle_between(own, attitude) < kAlikeAttitudes;
     });
   }));
+}
+
+// Whether most of the station's tags have their cameras where the rig says only if the vehicle
+// points against the center line's direction. A camera that looks elsewhere either way says
+// nothing.
+bool points_backward(const Survey& survey, const Rig& rig, const Drive& drive,
+                     const Station& station) {
+  constexpr double kFits = radians(45);
+  int backward = 0;
+  for (const Sighting& sighting : station.sightings) {
+    const Matrix3d& stated = rig.cameras[sighting.camera].vehicle_from_camera.rotation;
+    const auto off = [&](bool is_backward) {
+      double least = std::numbers::pi;
+      for (const Matrix3d& own :
+           attitudes(survey, rig, drive.plates[sighting.plate], sighting, is_backward)) {
+        least = std::min(least, angle_between(own, stated));
+      }
+      return least;
+    };
+    const double ahead = off(false), behind = off(true);
+    if (ahead < kFits && ahead < behind) --backward;
+    if (behind < kFits && behind < ahead) ++backward;
+  }
+  return backward > 0;
 }
 
 // --- the fit ---
@@ -118,6 +147,7 @@ Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Ri
       station.sightings.push_back(sighting_of(*seen.seen_corners, rig, *camera, plate));
     }
     if (station.sightings.empty()) continue;
+    station.is_backward = points_backward(survey, rig, drive, station);
     drive.stations.push_back(std::move(station));
     drive.rows.push_back(&row);
   }
@@ -150,7 +180,8 @@ Matrix3d likely_attitude(const Survey& survey, const Rig& rig, const Drive& driv
   for (const Station& station : drive.stations) {
     for (const Sighting& sighting : station.sightings) {
       if (sighting.camera != camera || seen.size() == kEnough) continue;
-      seen.push_back(attitudes(survey, rig, drive.plates[sighting.plate], sighting));
+      seen.push_back(
+          attitudes(survey, rig, drive.plates[sighting.plate], sighting, station.is_backward));
     }
   }
   Matrix3d best = rig.cameras[camera].vehicle_from_camera.rotation;
@@ -179,24 +210,32 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
       const bool placed = adjustment && adjustment->vehicles[s];
       problem.stations[s].prior =
           prior_at(survey, start,
-                   placed ? adjustment->vehicles[s]->position : plate.world_from_plate.translation);
+                   placed ? adjustment->vehicles[s]->position : plate.world_from_plate.translation,
+                   problem.stations[s].is_backward);
     }
     adjustment = adjust_plates(problem, none);
     if (!adjustment) return std::nullopt;
   }
   DriveFit fit{fitted_rig(start, layout, adjustment->calibration), layout, std::move(*adjustment)};
   double placed = 0;
+  Vector3d squares = Vector3d::Zero();
   for (std::size_t s = 0; s < problem.stations.size(); ++s) {
     const auto& vehicle = fit.adjustment.vehicles[s];
     if (!vehicle) continue;
     const VehiclePrior& prior = *problem.stations[s].prior;
     const double askew = wrapped_angle(vehicle->heading - prior.mean.heading);
     fit.heading_chi_square += std::pow(askew / prior.sigma[vehicle_parameter::kHeading], 2);
-    fit.mean_attitude +=
-        Vector3d(askew, vehicle->pitch - prior.mean.pitch, vehicle->roll - prior.mean.roll);
+    const Vector3d attitude(askew, vehicle->pitch - prior.mean.pitch,
+                            vehicle->roll - prior.mean.roll);
+    fit.mean_attitude += attitude;
+    squares += attitude.cwiseAbs2();
     placed += 1;
   }
   if (placed > 0) fit.mean_attitude /= placed;
+  if (placed > 1) {
+    const Vector3d scatter = squares / placed - fit.mean_attitude.cwiseAbs2();
+    fit.mean_attitude_variance = scatter.cwiseMax(0) / (placed - 1);
+  }
   return fit;
 }
 

@@ -25,7 +25,8 @@ struct Drive {
   std::vector<const Observation*> rows;  // by station
 };
 
-// The rows must outlive the drive.
+// The rows must outlive the drive. A row is backward where most of its tags fit the rig's mounting
+// so and are far from it forward.
 Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Rig& rig);
 
 bool sees_anything(const Drive& drive, std::size_t camera);
@@ -57,8 +58,10 @@ struct DriveFit {
   Adjustment adjustment;
   // The part of the adjustment's chi-square that is of headings against the drive's.
   double heading_chi_square = 0;
-  // How the vehicles stand on their mean against the drive and its floor: heading, pitch, roll.
+  // How the vehicles stand on their mean against the drive and its floor: heading, pitch, roll; and
+  // the variance of this mean by how they scatter.
   Eigen::Vector3d mean_attitude = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_attitude_variance = Eigen::Vector3d::Zero();
 };
 
 // Fits the vehicles, the plates within the survey's sigmas, and the cameras of `start` within these

@@ -90,6 +90,14 @@ Eigen::Matrix<double, 6, 6> covariance_of(const DriveFit& fitted, std::size_t ca
   return by_all * all * by_all.transpose();
 }
 
+// Of a camera's turn, by how uncertain the axes themselves are, which the drive defines as the mean
+// of its rows: as these scatter.
+Matrix3d covariance_of_axes(const DriveFit& fitted, std::size_t camera) {
+  const Matrix3d by_axes = fitted.rig.cameras[camera].vehicle_from_camera.rotation.transpose() *
+                           vehicle_frame(VehiclePose{}).turn_axes;
+  return by_axes * fitted.mean_attitude_variance.asDiagonal() * by_axes.transpose();
+}
+
 // The camera's pose in the vehicle's own axes: in those of the fit the vehicles may stand askew on
 // their mean, as far as what is assumed of height and stance lets them.
 Pose in_own_axes(const DriveFit& fitted, std::size_t camera) {
@@ -196,7 +204,10 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
     const Matrix3d of_turn = covariance.bottomRightCorner<3, 3>();
     mounting.sigma << covariance.diagonal().head<3>(),
         (by_turn * of_turn * by_turn.transpose()).diagonal();
-    mounting.sigma = fit.sigma_factor * mounting.sigma.cwiseMax(0).cwiseSqrt();
+    mounting.sigma *= fit.sigma_factor * fit.sigma_factor;
+    mounting.sigma.tail<3>() +=
+        (by_turn * covariance_of_axes(fitted, c) * by_turn.transpose()).diagonal();
+    mounting.sigma = mounting.sigma.cwiseMax(0).cwiseSqrt();
     mounting.held = held[c];
     mounting.tags = tags[c];
     mounting.left_out = left_out[c];

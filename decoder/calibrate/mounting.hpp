@@ -50,11 +50,12 @@ struct MountingFit {
 // within the survey's sigmas. The mounting in the rig is where the search starts; a camera that
 // looks quite elsewhere is found from single tags.
 //
-// The vehicle's own axes are what the drive makes them: forward is the center line's direction, and
-// level is the floor, on the mean of all rows. Pictures of tags cannot tell a vehicle that stands
-// askew in every row from cameras that are all turned. The origin O is where the rig's positions
-// put it: what of them the run tells worse than a tape (a common shift of all cameras, or all of a
-// single one) is held.
+// The vehicle's own axes are what the drive makes them: forward is the center line's direction, or
+// against it in rows that the rig's mounting shows to point backward, and level is the floor, on
+// the mean of all rows; the sigmas of angles hold how the rows scatter about it. Pictures of tags
+// cannot tell a vehicle that stands askew in every row from cameras that are all turned. The origin
+// O is where the rig's positions put it: what of them the run tells worse than a tape (a common
+// shift of all cameras, or all of a single one) is held.
 //
 // Tags that fit worse than chance allows are left out: a plate that hangs wrong does not bend the
 // mounting. Fails, with the reason, where fewer than three rows show tags or the fit does not

@@ -27,6 +27,7 @@ struct Station {
   std::string name;
   std::vector<Sighting> sightings;
   std::optional<VehiclePrior> prior{};
+  bool is_backward = false;  // the vehicle points against the center line's direction
 };
 
 // The rig must outlive the problem. A plate's survey_variance says how far it may hang from its

@@ -43,7 +43,8 @@ TEST_CASE("unknown angles are found to hundredths of a degree, wherever the sear
     for (std::size_t c = 0; c < 2; ++c) {
       const Pose& truth = site.rig.cameras[c].vehicle_from_camera;
       CHECK(angle_between(fit->cameras[c].vehicle_from_camera, truth) < radians(0.03));
-      CHECK(fit->cameras[c].sigma.tail<3>().maxCoeff() < radians(0.03));
+      // The mean of twelve rows that scatter by 2 degrees is no better known.
+      CHECK(fit->cameras[c].sigma.tail<3>().maxCoeff() < radians(0.9));
       CHECK(fit->cameras[c].left_out == 0);
       CHECK_FALSE(fit->cameras[c].held[3]);
     }
@@ -112,7 +113,7 @@ TEST_CASE("the stated sigmas are those of the errors") {
     for (PlacedTag& tag : hung.survey.tags) {
       tag.world_from_plate.translation += draws.normals(0.002);
     }
-    auto rows = seen_from(hung, drive_past(hung, 10, draws), draws);
+    auto rows = seen_from(hung, drive_past(hung, 10, draws, false), draws);
     for (Observation& row : rows) {
       for (SeenTag& tag : row.tags) tag.tag = *find_tag(site.survey, tag.tag.name);
     }
@@ -128,6 +129,31 @@ TEST_CASE("the stated sigmas are those of the errors") {
   }
   CHECK(sum / count > 0.6);
   CHECK(sum / count < 1.5);
+}
+
+TEST_CASE("which way the vehicle went does not change its mounting") {
+  for (const bool is_both : {true, false}) {
+    CAPTURE(is_both);
+    Draws draws(23);
+    Site site = exact_corridor();
+    mount(site.rig, 0, 55, 0, 0, {3.0, 0.2, 0.1});
+    mount(site.rig, 1, -55, 0, 0, {3.0, -0.2, 0.1});
+    auto rows = seen_from(site, drive_past(site, 12, draws, true, true), draws);
+    if (is_both) {
+      const auto ahead = seen_from(site, drive_past(site, 12, draws), draws);
+      rows.insert(rows.end(), ahead.begin(), ahead.end());
+    }
+    Rig stated = site.rig;
+    mount(stated, 0, 50, 2, 0, {3.0, 0.2, 0.1});
+    const auto fit = fit_mounting(rows, site.survey, stated);
+    REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const Pose& truth = site.rig.cameras[c].vehicle_from_camera;
+      // The rows that show tags stand askew by a little on their mean.
+      CHECK(angle_between(fit->cameras[c].vehicle_from_camera, truth) < radians(1));
+      CHECK(fit->cameras[c].left_out == 0);
+    }
+  }
 }
 
 TEST_CASE("a range that measures from elsewhere is told by its median") {

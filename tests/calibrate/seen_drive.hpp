@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,9 @@ namespace tagsmith::detail::test {
 inline constexpr double kNoise = 0.05;  // pixels
 
 // Vehicles along the drive that stand a little askew, but not on their mean.
-inline std::vector<VehiclePose> drive_past(const Site& site, std::size_t count, Draws& draws) {
+// `is_level`: their attitudes have a mean of zero, as their axes are defined; else they are drawn.
+inline std::vector<VehiclePose> drive_past(const Site& site, std::size_t count, Draws& draws,
+                                           bool is_level = true, bool is_backward = false) {
   std::vector<FloorStance> stances(count);
   FloorStance mean;
   for (FloorStance& stance : stances) {
@@ -32,9 +35,12 @@ inline std::vector<VehiclePose> drive_past(const Site& site, std::size_t count, 
   std::vector<VehiclePose> vehicles;
   for (std::size_t i = 0; i < count; ++i) {
     FloorStance stance = stances[i];
-    stance.yaw -= mean.yaw;
-    stance.pitch -= mean.pitch;
-    stance.roll -= mean.roll;
+    if (is_level) {
+      stance.yaw -= mean.yaw;
+      stance.pitch -= mean.pitch;
+      stance.roll -= mean.roll;
+    }
+    if (is_backward) stance.yaw += std::numbers::pi;
     const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
     vehicles.push_back(
         vehicle_on_floor(site.survey.tunnel.centerline.at(-0.5 + 5.5 * share), stance));
