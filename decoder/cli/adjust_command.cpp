@@ -214,6 +214,13 @@ std::optional<std::string> reason_not_to_write(const AsBuiltSurvey& found,
   if (count_of(found, AsBuiltStatus::contradicted) > 0) {
     return "survey the contradicted control tags again, or leave them out of the control tags";
   }
+  if (!found.cut_off.empty()) {
+    return fmt::format(
+        "only photos that contradict the rest tie {} to a control tag: of the control tags there "
+        "one "
+        "pair or more does not hang as surveyed, or rows are mixed up",
+        fmt::join(found.cut_off, " "));
+  }
   const bool loses_control = std::ranges::any_of(found.left_out, [&](const auto& sighting) {
     const auto tag = std::ranges::find(found.tags, sighting.tag, &AsBuiltTag::tag);
     return tag != found.tags.end() && tag->status == AsBuiltStatus::undetermined &&

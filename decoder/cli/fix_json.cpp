@@ -158,6 +158,11 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
                                  {"degrees", degrees(findings.turned->angle)},
                                  {"steps", findings.turned->steps}};
   }
+  if (findings.height) {
+    values["wrong_height"] = {{"text", to_string(*findings.height)},
+                              {"height", findings.height->height},
+                              {"stated", findings.height->stated}};
+  }
   if (!findings.another_drive.empty()) values["another_drive"] = findings.another_drive;
   if (!findings.checked.mixed.empty()) values["mixed_rows"] = findings.checked.mixed;
   for (const SetAside& tag : findings.checked.aside) {

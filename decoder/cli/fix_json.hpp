@@ -29,6 +29,7 @@ struct RunFindings {
   std::optional<RigSuspicion> suspicion;
   RunCheck checked;
   std::optional<TurnedHeadings> turned{};
+  std::optional<WrongHeight> height{};
   std::string another_drive{};  // why the photos show none of the surveys' tags; empty = they do
 };
 

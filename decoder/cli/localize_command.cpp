@@ -383,6 +383,12 @@ Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
   return files->publish();
 }
 
+void print_doubts(const RunFindings& findings) {
+  constexpr const char* kDoubt = "do not rely on these positions";
+  if (findings.turned) to_stdout("{}: {}\n", kDoubt, to_string(*findings.turned));
+  if (findings.height) to_stdout("{}: {}\n", kDoubt, to_string(*findings.height));
+}
+
 // What can be known to be wrong before the work.
 Result<void> check_options(const LocalizeOptions& options) {
   if (options.surveys.empty() == options.own_template.empty()) {
@@ -464,6 +470,7 @@ int run_localize(LocalizeOptions options) {
   }
   Located located = localize_all(*input, options, std::move(rows), findings.checked);
   findings.turned = turned_headings(located.front());
+  findings.height = wrong_height(located.front(), input->surveys, input->rig);
   tell(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
@@ -490,11 +497,10 @@ int run_localize(LocalizeOptions options) {
     if (findings.suspicion) {
       to_stdout("the rig is in doubt: {}\n", describe(*findings.suspicion, input->rig));
     }
-    if (findings.turned)
-      to_stdout("do not rely on these positions: {}\n", to_string(*findings.turned));
+    print_doubts(findings);
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  const bool is_in_doubt = findings.suspicion || findings.turned;
+  const bool is_in_doubt = findings.suspicion || findings.turned || findings.height;
   return std::ranges::all_of(fixes, is_located) && !lacks_pictures && !is_in_doubt ? kExitOk
                                                                                    : kExitFindings;
 }

@@ -251,6 +251,10 @@ Fix fix_in_track(const Job& job, const Track& track, const Step& step,
     Fix placed = with_place(fix, place, covariance, job.rig);
     return step.confirmed ? confirmed_by_motion(std::move(placed)) : placed;
   }
+  if (fix.position_in_grid && fix.confirmations > 0) {
+    // Whether the place or the time is wrong nothing tells.
+    return without_position(fix, "its position by several tags contradicts the motion");
+  }
   const double gap = std::abs(job.times[nearest.row] - job.times[step.row]);
   const Survey& survey = survey_of(job.fixes[nearest.row], job.surveys);
   Fix predicted = predicted_fix(fix, place, covariance, gap, survey, job.rig, job.motion);

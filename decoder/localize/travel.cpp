@@ -9,7 +9,9 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "tagsmith/base/quantile.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -64,6 +66,34 @@ std::optional<TurnedHeadings> turned_headings(std::span<const Fix> fixes) {
     return std::nullopt;
   }
   return TurnedHeadings{angle, steps};
+}
+
+std::optional<WrongHeight> wrong_height(std::span<const Fix> fixes,
+                                        const std::vector<Survey>& surveys, const Rig& rig) {
+  constexpr std::size_t kLeastRows = 3;
+  constexpr double kMost = 2.5;
+  std::vector<double> heights;
+  for (const Fix& fix : fixes) {
+    if (!is_of_use(fix)) continue;
+    const Survey& survey = survey_of(fix, surveys);
+    VehiclePose vehicle;
+    vehicle.position = world_from_vehicle(fix, survey.grid).translation;
+    heights.push_back(observe_stance(survey.tunnel.centerline, vehicle).height_pitch_roll[0]);
+  }
+  if (heights.size() < kLeastRows) return std::nullopt;
+  WrongHeight wrong{quantile(heights, 0.5), rig.vehicle_height};
+  wrong.sigmas = std::abs(wrong.height - wrong.stated) / rig.height_sigma;
+  return wrong.sigmas >= kMost ? std::optional(wrong) : std::nullopt;
+}
+
+std::string to_string(const WrongHeight& wrong) {
+  return fmt::format(
+      "the vehicle stands {:.3f} m above the floor on the median of the rows, and the rig says "
+      "{:.3f} "
+      "m ({:.1f} standard deviations): the rig's vehicle.height or cameras are wrong, or the "
+      "photos "
+      "are mirrored top to bottom",
+      wrong.height, wrong.stated, wrong.sigmas);
 }
 
 std::string to_string(const TurnedHeadings& turned) {

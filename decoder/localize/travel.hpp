@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the headings of a run point the way that the vehicle went.
+// Whether the positions of a run make sense together: the headings point the way that the vehicle
+// went, and it stands as high as the rig says.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "decoder/localize/fix.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
 
@@ -23,6 +27,22 @@ struct TurnedHeadings {
 // errors cannot turn by more than 3 degrees count. Nothing where headings fit, where the steps do
 // not agree, and where fewer than five count.
 std::optional<TurnedHeadings> turned_headings(std::span<const Fix> fixes);
+
+// How high the vehicle stands in a run, and how far that is from what the rig says.
+struct WrongHeight {
+  double height = 0;  // of O above the floor, metres, median
+  double stated = 0;
+  double sigmas = 0;  // standard deviations between the two
+};
+
+// Where O is 2.5 of the rig's standard deviations and more from its stated height on the median of
+// three rows and more: the rig is wrong, or the pictures are mirrored top to bottom, in which a
+// symbol reads as it does upright and a level camera sees a world that makes sense.
+std::optional<WrongHeight> wrong_height(std::span<const Fix> fixes,
+                                        const std::vector<Survey>& surveys, const Rig& rig);
+
+// "the vehicle stands 0.088 m above the floor ..."
+std::string to_string(const WrongHeight& wrong);
 
 // "the headings are turned by ... degrees from the way between the positions ..."
 std::string to_string(const TurnedHeadings& turned);

@@ -40,6 +40,7 @@ struct Site {
   std::vector<bool> is_elsewhere;     // by plate: so far off that the search starts from its photos
   std::vector<std::string> excluded;  // by plate: why nothing of it is used; empty = it is
   std::vector<LeftOutSighting> left_out;
+  std::vector<std::string> cut_off;  // plates that only photos tied which were left out
 };
 
 // Control hangs as surveyed, all else about there.
@@ -119,13 +120,16 @@ void keep_tied(Site& site) {
   }
   for (std::size_t i = 0; i < chain.size(); ++i) {
     if (!site.excluded[i].empty()) continue;
-    if (!is_seen[i]) {
-      const bool contradicts = std::ranges::find(site.left_out, drive.plates[i].name,
-                                                 &LeftOutSighting::tag) != site.left_out.end();
-      site.excluded[i] = contradicts ? "its photos contradict those of the other tags"
-                                     : "it was never seen together with another tag";
-    } else if (!held.contains(chain[i])) {
-      site.excluded[i] = "no chain of photos ties it to a control tag";
+    const std::string& name = drive.plates[i].name;
+    const auto own = std::ranges::find(site.left_out, name, &LeftOutSighting::tag);
+    if (!is_seen[i] && own != site.left_out.end()) {
+      site.excluded[i] = "its photos contradict those of the other tags";
+    } else if (!is_seen[i] || !held.contains(chain[i])) {
+      const bool is_cut_off = !site.left_out.empty();
+      if (is_cut_off) site.cut_off.push_back(name);
+      site.excluded[i] = is_cut_off   ? "photos that were left out alone tied it to a control tag"
+                         : is_seen[i] ? "no chain of photos ties it to a control tag"
+                                      : "it was never seen together with another tag";
     }
   }
   leave_out(drive, [&](std::size_t s, std::size_t i) {
@@ -277,9 +281,13 @@ void raise_sigmas(double factor, Drive& drive) {
   }
 }
 
-std::string contradiction(const AsBuiltTag& tag) {
-  return fmt::format("is a control tag, but hangs {:.0f} mm from where the survey has it",
-                     1e3 * tag.shift.norm());
+std::string contradiction(const AsBuiltTag& tag, const Pose& surveyed) {
+  const double turned = angle_between(tag.world_from_plate.rotation, surveyed.rotation);
+  return fmt::format(
+      "is a control tag, but hangs {:.0f} mm, and turned by {:.1f} degrees, from where the survey "
+      "has "
+      "it",
+      1e3 * tag.shift.norm(), degrees(turned));
 }
 
 void fill(const SightedPlate& plate, const PlateOffset& offset, const Pose& surveyed,
@@ -308,13 +316,13 @@ AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::siz
   const PlateOffset& offset = *adjustment.offsets[plate];
   fill(site.drive.plates[plate], offset, surveyed.world_from_plate, tag);
   const double sigma = worst_sigma(Matrix3d(offset.covariance.topLeftCorner<3, 3>()));
-  const bool fits = offset.shift_chi_square < chi_square_limit(3, kFarthestControl);
+  const bool fits = offset.chi_square < chi_square_limit(6, kFarthestControl);
   if (was_control && site.is_control[plate] && fits) {
     tag.status = AsBuiltStatus::control;
     if (sigma > kMostSigma) take_survey(site.drive.plates[plate], tag);
   } else if (was_control) {
     tag.status = AsBuiltStatus::contradicted;
-    tag.reason = contradiction(tag);
+    tag.reason = contradiction(tag, surveyed.world_from_plate);
   } else if (sigma > kMostSigma) {
     tag.reason = fmt::format("the photos tell its place to {:.2f} m only", sigma);
   } else {
@@ -331,6 +339,7 @@ AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adju
     const bool was_control = std::ranges::find(control, tag.name) != control.end();
     result.tags.push_back(as_built_tag(site, adjustment, i, tag, was_control));
   }
+  result.cut_off = site.cut_off;
   for (const Station& station : site.drive.stations) {
     result.sightings += station.sightings.size();
     for (const std::size_t plate : plates_of(station)) ++result.tags[plate].stations;

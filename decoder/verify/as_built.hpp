@@ -53,6 +53,7 @@ struct AsBuiltSurvey {
   std::size_t stations = 0;               // used: places from which two tags and more were seen
   std::size_t sightings = 0;              // used: pictures of a tag
   std::vector<LeftOutSighting> left_out;  // contradict the rest
+  std::vector<std::string> cut_off;       // tags that only these tied to a control tag
   double chi_square = 0;                  // of all corners
   int degrees_of_freedom = 0;
   double sigma_factor = 1;  // by which the corners' stated sigmas were raised, 1 = not

@@ -117,6 +117,35 @@ TEST_CASE("a control tag that does not hang as surveyed is contradicted") {
   }
 }
 
+TEST_CASE("a pair of control tags that is too high is told by its direction") {
+  // 0.1 m on 3.2 m: all tags could be tilted by 1.8 degrees, and each pair supports itself.
+  Draws draws(8);
+  AsBuiltDriveOptions options;
+  options.pairs = 11;
+  options.stations = 40;
+  options.control_every = 8;
+  AsBuiltDrive drive = as_built_drive(options, draws);
+  const std::vector<std::string> control{"000L", "000R", "004L", "004R"};
+  const auto is_contradicted = [&] {
+    const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, control);
+    return !found ||
+           std::ranges::count(found->tags, AsBuiltStatus::contradicted, &AsBuiltTag::status) > 0 ||
+           !found->cut_off.empty();
+  };
+  for (const std::string& name : control) {
+    PlacedTag& tag = drive.survey.tags[index_of(drive, name)];
+    tag.world_from_plate = drive.hung[index_of(drive, name)];
+  }
+  CHECK_FALSE(is_contradicted());
+  for (int tenths = 1; tenths <= 4; ++tenths) {
+    CAPTURE(tenths);
+    for (const char* name : {"000L", "000R"}) {
+      drive.survey.tags[index_of(drive, name)].world_from_plate.translation.z() += 0.1;
+    }
+    CHECK(is_contradicted());
+  }
+}
+
 TEST_CASE("a control tag that no other one confirms hangs as surveyed, to the survey's sigma") {
   Draws draws(7);
   const AsBuiltDrive drive = short_drive(draws);

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -62,6 +63,28 @@ TEST_CASE("nothing is told of headings that fit, nor of few, short or uncertain 
   std::vector<Fix> without = drive(8, radians(40));
   for (Fix& fix : without) fix.attitude.reset();
   CHECK_FALSE(turned_headings(without));
+}
+
+TEST_CASE("a vehicle at another height than the rig's is told by the median of its rows") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  rig.vehicle_height = 0.24;
+  rig.height_sigma = 0.05;
+  const auto told = [&](std::vector<double> heights) {
+    std::vector<Fix> fixes;
+    for (const double height : heights) {
+      fixes.push_back(fix_at(1, static_cast<double>(fixes.size()), 0));
+      fixes.back().survey = survey.name;
+      fixes.back().position_in_grid->z() = height;
+    }
+    return wrong_height(fixes, {survey}, rig);
+  };
+  REQUIRE(told({0.09, 0.088, 0.24, 0.087}));
+  CHECK(told({0.09, 0.088, 0.24, 0.087, 0.09})->sigmas == doctest::Approx(3.0));
+  CHECK(told({0.37, 0.38, 0.39}));
+  CHECK_FALSE(told({0.09, 0.088}));
+  CHECK_FALSE(told({0.09, 0.24, 0.25}));
+  CHECK_FALSE(told({0.13, 0.13, 0.13}));
 }
 
 TEST_CASE("places that were chosen across the drive as well tell nothing") {
