@@ -187,12 +187,13 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
   std::size_t sightings = 0;
   for (std::size_t s = 0; s < drive.stations.size(); ++s) {
     for (const Sighting& sighting : drive.stations[s].sightings) {
-      fit.chi_square += chi_square_of(fitted, drive, s, sighting);
       ++tags[sighting.camera];
       ++sightings;
     }
   }
-  // Priors add as many equations as they add unknowns of the vehicle: four a row.
+  // Of everything, for where rows contradict each other the plates give way before the corners do.
+  // Priors add as many equations as they add unknowns: of the vehicle four a row.
+  fit.chi_square = fitted.adjustment.chi_square;
   fit.degrees_of_freedom = static_cast<int>(8 * sightings + 4 * fit.rows) -
                            static_cast<int>(6 * fit.rows + fitted.layout.sigmas.size());
   fit.sigma_factor = std::sqrt(std::max(1.0, fit.chi_square / std::max(1, fit.degrees_of_freedom)));
@@ -222,6 +223,7 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
 Result<MountingFit> fit_mounting(std::span<const Observation> rows, const Survey& survey,
                                  const Rig& rig) {
   constexpr std::size_t kLeastRows = 3;
+  constexpr double kMostFactor = 5;  // of what is stated, which differs by camera and survey
   Drive drive = drive_of(rows, survey, rig);
   if (drive.stations.size() < kLeastRows) {
     return fail(fmt::format("{} of {} rows show tags of the survey, expected {} or more",
@@ -242,7 +244,14 @@ Result<MountingFit> fit_mounting(std::span<const Observation> rows, const Survey
         leave_out_worst(*fitted, drive, usual_excess(*fitted, drive));
     std::ranges::transform(left_out, out, left_out.begin(), std::plus<>{});
     if (std::ranges::any_of(out, [](std::size_t count) { return count > 0; })) continue;
-    if (!hold_worst(*fitted, held)) return result_of(*fitted, drive, survey, held, left_out);
+    if (hold_worst(*fitted, held)) continue;
+    MountingFit fit = result_of(*fitted, drive, survey, held, left_out);
+    if (fit.sigma_factor <= kMostFactor) return fit;
+    return fail(fmt::format(
+        "photos, survey and rig do not fit together: residuals are {:.0f} times what was "
+        "stated; are the photos of each row taken together, and the tags where the "
+        "survey has them?",
+        fit.sigma_factor));
   }
   return fail("the tags contradict each other in too many rows");
 }

@@ -40,7 +40,7 @@ struct MountingFit {
   std::vector<FittedMounting> cameras;  // in the rig's order
   std::vector<FittedRange> ranges;      // of those that were measured
   std::size_t rows = 0;                 // that the fit rests on
-  double chi_square = 0;                // of the corners that the fit rests on
+  double chi_square = 0;                // of corners, plates and vehicles that the fit rests on
   int degrees_of_freedom = 0;
   // Root of chi-square over the degrees of freedom, at least 1: all sigmas are multiplied by it.
   double sigma_factor = 1;

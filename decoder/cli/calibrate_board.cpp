@@ -20,6 +20,7 @@
 #include "decoder/cli/calibrate_result.hpp"
 #include "decoder/cli/file_list.hpp"
 #include "decoder/image/load.hpp"
+#include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
@@ -67,16 +68,19 @@ Result<std::vector<Board>> load_boards(const BoardCalibrationOptions& options) {
   return boards;
 }
 
-// Without those that are named twice: a photo counts once.
+// Without copies and those that are named twice: a photo counts once.
 Result<FileList> list_photos(const BoardCalibrationOptions& options) {
   Result<FileList> list = list_files(options.photos, image_extensions(), std::cin);
   if (!list) return list;
-  std::set<fs::path> seen;
-  std::erase_if(list->files, [&](const fs::path& file) {
-    std::error_code error;
-    const fs::path one = fs::canonical(file, error);
-    return !error && !seen.insert(one).second;
+  std::set<std::string> seen;
+  const auto copies = std::erase_if(list->files, [&](const fs::path& file) {
+    const Result<std::string> content = sha256_of_file(file);
+    return content && !seen.insert(*content).second;
   });
+  if (copies > 0) {
+    to_stderr("tagsmith calibrate: {} of the photos {} left out\n", copies,
+              copies == 1 ? "is a copy of another and is" : "are copies of others and are");
+  }
   return list;
 }
 

@@ -182,6 +182,19 @@ std::string camera_of_other_side(const MountingFit& fit, const Rig& rig) {
   return {};
 }
 
+// A camera of whose pictures more than a third contradict the rest; empty where there is none.
+std::string camera_of_contradictions(const MountingFit& fit) {
+  for (const FittedMounting& camera : fit.cameras) {
+    if (2 * camera.left_out <= camera.tags) continue;
+    return fmt::format(
+        "{} of {} pictures of tags of camera {} contradict the rest: are they of other rows, as of "
+        "a "
+        "camera that lags, or is the survey wrong?",
+        camera.left_out, camera.left_out + camera.tags, camera.camera);
+  }
+  return {};
+}
+
 }  // namespace
 
 int calibrate_mounting(const CalibrateMountingOptions& options) {
@@ -202,11 +215,12 @@ int calibrate_mounting(const CalibrateMountingOptions& options) {
   const std::string wrong_side = camera_of_other_side(*fit, input->rig);
   if (!wrong_side.empty()) return refuse(wrong_side);
   options.json ? print_json(*fit, *input) : print_words(*fit, *input);
-  if (options.output.empty()) return kExitOk;
-  if (const auto written = write_rig(options, *fit); !written) {
-    return report_failure(kCalibrate, written.error());
+  if (!options.output.empty()) {
+    const auto written = write_rig(options, *fit);
+    if (!written) return report_failure(kCalibrate, written.error());
   }
-  return kExitOk;
+  const std::string doubt = camera_of_contradictions(*fit);
+  return doubt.empty() ? kExitOk : refuse("do not rely on this mounting: " + doubt);
 }
 
 }  // namespace tagsmith::detail

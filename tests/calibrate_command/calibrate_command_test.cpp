@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -163,10 +164,13 @@ TEST_CASE("three frontal photos make no camera") {
     write_photo(folder.path() / ("front" + std::to_string(i) + ".png"), camera, plate_board(),
                 stance, static_cast<std::uint64_t>(i));
   }
+  // A copy is no photo of its own.
+  fs::copy_file(folder.path() / "front0.png", folder.path() / "copy.png");
   const fs::path file = folder.path() / "out" / "camera.yaml";
   const ProgramOutput output =
       run_calibrate(good_board() + folder.path().string() + " --json -o " + file.string());
   CHECK(output.exit_code == 1);
+  CHECK(json_lines(output.out).size() == 4);
   CHECK_FALSE(fs::exists(file));
   CHECK(has(output.err, "was not written: the calibration is refused"));
   check_by_schema(output.out);
@@ -342,5 +346,26 @@ TEST_CASE("a drive tells where cameras look, and the rig is written with it") {
   const ProgramOutput untold = run_tagsmith(drive + "'" + short_run.string() + "'");
   CHECK(untold.exit_code == 1);
   CHECK(untold.err.find("2 of 2 rows") != std::string::npos);
+  CHECK_FALSE(fs::exists(fitted));
+}
+
+TEST_CASE("rows with a photo of another row make no mounting") {
+  // Plates could give way a little each, and the right camera be where the mean of the rows has it.
+  const TemporaryFolder folder;
+  const std::string photos = fs::absolute("surveys/corridor/photos").string();
+  std::string rows = "id,left,right\n";
+  for (int row = 1; row <= 10; ++row) {
+    const bool is_late = row == 2 || row == 5 || row == 8;
+    rows += fmt::format("{},{}/corridor_{:02}_left.jpg,{}/corridor_{:02}_right.jpg\n", row, photos,
+                        row, photos, is_late ? row + 1 : row);
+  }
+  const fs::path run = folder.path() / "run.csv";
+  const fs::path fitted = folder.path() / "fitted.yaml";
+  REQUIRE(write_file(run, rows));
+  const ProgramOutput output = run_tagsmith(
+      "calibrate --survey surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml -o '" +
+      fitted.string() + "' --run '" + run.string() + "'");
+  CHECK(output.exit_code == 1);
+  CHECK(output.err.find("do not fit together") != std::string::npos);
   CHECK_FALSE(fs::exists(fitted));
 }
