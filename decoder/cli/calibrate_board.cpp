@@ -228,7 +228,7 @@ CalibrationNotes notes_of(const BoardCalibration& result) {
 // checked with the file where it waits.
 Result<std::string> rig_text(const BoardCalibrationOptions& options, const BoardCalibration& result,
                              const std::string& camera_file) {
-  const Result<std::string> text = read_file(options.rig);
+  Result<std::string> text = read_file(options.rig);
   if (!text) return text;
   const CalibratedIntrinsics intrinsics = intrinsics_of(options, rig_sigma(result.calibration));
   const fs::path target = fs::absolute(options.output);
