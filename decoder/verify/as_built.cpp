@@ -423,7 +423,8 @@ std::optional<AsBuiltTag> contradicted_by_others(const Survey& survey, const Rig
     if (is_seen && tag.name != control) others.push_back(tag.name);
   }
   Survey spread = survey;
-  for (double sigma = kLeastSurveySigma; sigma < kMostSpread; sigma *= 2) {
+  for (int doubled = 0; std::ldexp(kLeastSurveySigma, doubled) < kMostSpread; ++doubled) {
+    const double sigma = std::ldexp(kLeastSurveySigma, doubled);
     for (PlacedTag& tag : spread.tags) tag.sigma = std::max(tag.sigma, sigma);
     spread.angle_sigma = std::max(spread.angle_sigma, sigma / kMostSpread * kLooseAngle);
     const auto found = adjust_as_built(spread, rig, sighted, others);
