@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -138,13 +139,10 @@ std::vector<MotionEstimate> smoothed(const Track& track) {
 
 // The used step nearest in time; there is one in every track.
 const Step& nearest_used(const Track& track, std::size_t row, const std::vector<double>& times) {
-  const Step* nearest = nullptr;
-  for (const Step& step : track.steps) {
-    if (!step.used) continue;
-    const double gap = std::abs(times[step.row] - times[row]);
-    if (nearest == nullptr || gap < std::abs(times[nearest->row] - times[row])) nearest = &step;
-  }
-  return *nearest;
+  return *std::ranges::min_element(track.steps, {}, [&](const Step& step) {
+    return step.used ? std::abs(times[step.row] - times[row])
+                     : std::numeric_limits<double>::infinity();
+  });
 }
 
 Fix without_position(Fix fix, std::string reason) {
