@@ -58,17 +58,23 @@ VehiclePrior prior_at(const Survey& survey, const Rig& rig, const Vector3d& plac
 
 // --- where the search starts ---
 
-// The attitudes on the vehicle that a sighting allows its camera, were the vehicle level and along
-// the drive, or against it.
+// The attitude of a camera on the vehicle, were the vehicle level and along the drive, or against
+// it.
+Matrix3d attitude_on_vehicle(const Survey& survey, const Rig& rig, const Pose& world_from_camera,
+                             bool is_backward) {
+  const Pose vehicle =
+      world_from_vehicle(following(survey, rig, world_from_camera.translation, is_backward));
+  return vehicle.rotation.transpose() * world_from_camera.rotation;
+}
+
+// Those that a sighting allows its camera.
 std::vector<Matrix3d> attitudes(const Survey& survey, const Rig& rig, const SightedPlate& plate,
                                 const Sighting& sighting, bool is_backward) {
   std::vector<Matrix3d> result;
   const auto poses = camera_poses_from(rig.cameras[sighting.camera].camera, plate, sighting);
   if (!poses) return result;
   for (const Pose& world_from_camera : *poses) {
-    const Pose vehicle =
-        world_from_vehicle(following(survey, rig, world_from_camera.translation, is_backward));
-    result.push_back(vehicle.rotation.transpose() * world_from_camera.rotation);
+    result.push_back(attitude_on_vehicle(survey, rig, world_from_camera, is_backward));
   }
   return result;
 }
@@ -92,16 +98,18 @@ bool points_backward(const Survey& survey, const Rig& rig, const Drive& drive,
   constexpr double kFits = radians(45);
   int backward = 0;
   for (const Sighting& sighting : station.sightings) {
-    const Matrix3d& stated = rig.cameras[sighting.camera].vehicle_from_camera.rotation;
-    const auto off = [&](bool is_backward) {
-      double least = std::numbers::pi;
-      for (const Matrix3d& own :
-           attitudes(survey, rig, drive.plates[sighting.plate], sighting, is_backward)) {
-        least = std::min(least, angle_between(own, stated));
-      }
-      return least;
-    };
-    const double ahead = off(false), behind = off(true);
+    const RigCamera& camera = rig.cameras[sighting.camera];
+    const auto poses = camera_poses_from(camera.camera, drive.plates[sighting.plate], sighting);
+    if (!poses) continue;
+    double ahead = std::numbers::pi, behind = std::numbers::pi;  // from the rig's attitude
+    for (const Pose& pose : *poses) {
+      const auto off = [&](bool is_backward) {
+        return angle_between(attitude_on_vehicle(survey, rig, pose, is_backward),
+                             camera.vehicle_from_camera.rotation);
+      };
+      ahead = std::min(ahead, off(false));
+      behind = std::min(behind, off(true));
+    }
     if (ahead < kFits && ahead < behind) --backward;
     if (behind < kFits && behind < ahead) ++backward;
   }

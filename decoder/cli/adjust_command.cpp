@@ -217,8 +217,7 @@ std::optional<std::string> reason_not_to_write(const AsBuiltSurvey& found,
   if (!found.cut_off.empty()) {
     return fmt::format(
         "only photos that contradict the rest tie {} to a control tag: of the control tags there "
-        "one "
-        "pair or more does not hang as surveyed, or rows are mixed up",
+        "one pair or more does not hang as surveyed, or rows are mixed up",
         fmt::join(found.cut_off, " "));
   }
   const bool loses_control = std::ranges::any_of(found.left_out, [&](const auto& sighting) {

@@ -188,8 +188,7 @@ std::string camera_of_contradictions(const MountingFit& fit) {
     if (2 * camera.left_out <= camera.tags) continue;
     return fmt::format(
         "{} of {} pictures of tags of camera {} contradict the rest: are they of other rows, as of "
-        "a "
-        "camera that lags, or is the survey wrong?",
+        "a camera that lags, or is the survey wrong?",
         camera.left_out, camera.left_out + camera.tags, camera.camera);
   }
   return {};

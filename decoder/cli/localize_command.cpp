@@ -556,8 +556,7 @@ Command localize_command() {
       .notes =
           "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: "
           "some have no position, each with its reason, a photo could not be read, or all rows "
-          "doubt the "
-          "rig; 2: a survey, "
+          "doubt the rig; 2: a survey, "
           "rig or run could not be "
           "used.\n\n"
           "Example:\n"

@@ -468,6 +468,9 @@ Result<int> run(VerifyCommandOptions options) {
   VerifyRequest request{*survey, *also, options.wants_crops()};
   request.manifests = &manifests;
   request.scan_dpi = options.scan_dpi;
+  for (const Survey& other : *also) {
+    request.also_revisions += fmt::format("{} {};", other.name, survey_revision(other));
+  }
   if (*hanging) {
     request.rig = &(*hanging)->setup.rig;
     request.cameras = &(*hanging)->setup.cameras;

@@ -108,9 +108,8 @@ bool rises_to(double grade, std::span<const PlateQuality> days, std::size_t i) {
 // grade above the better one of the two days before, and is as high on the next day. A single bad
 // day, or a single good one before others, is no such rise.
 std::size_t find_rise(std::span<const PlateQuality> days) {
-  for (std::size_t i = days.size(); i-- > 2;) {
-    if (i + 1 < days.size() && rises_to(std::min(days[i].grade, days[i + 1].grade), days, i))
-      return i;
+  for (std::size_t i = days.size(); i-- > 3;) {
+    if (rises_to(std::min(days[i - 1].grade, days[i].grade), days, i - 1)) return i - 1;
   }
   return 0;
 }

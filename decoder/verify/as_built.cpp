@@ -9,7 +9,6 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "decoder/calibrate/drive_fit.hpp"
@@ -285,8 +284,7 @@ std::string contradiction(const AsBuiltTag& tag, const Pose& surveyed) {
   const double turned = angle_between(tag.world_from_plate.rotation, surveyed.rotation);
   return fmt::format(
       "is a control tag, but hangs {:.0f} mm, and turned by {:.1f} degrees, from where the survey "
-      "has "
-      "it",
+      "has it",
       1e3 * tag.shift.norm(), degrees(turned));
 }
 
@@ -355,7 +353,7 @@ double shift_chi_square(const AsBuiltTag& tag, double sigma) {
   sigma = std::max(sigma, kLeastSurveySigma);
   const Matrix3d covariance =
       tag.covariance.topLeftCorner<3, 3>() + sigma * sigma * Matrix3d::Identity();
-  return tag.shift.dot(covariance.ldlt().solve(tag.shift));
+  return squared_mahalanobis(tag.shift, covariance);
 }
 
 // Whether two thirds of the tags besides the one, and three at least, hang as surveyed as often as

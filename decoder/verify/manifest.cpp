@@ -80,12 +80,12 @@ std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
     if (tag.is_kept || outdated(survey, tag).empty()) continue;
     if (++count <= kMostNamed) names += (names.empty() ? "" : " ") + tag.name;
   }
-  const bool is_other = !manifest.revision.empty() && manifest.revision != survey_revision(survey);
-  if (count == 0 && is_other) {
+  if (count == 0) {
+    const std::string now = survey_revision(survey);
+    if (manifest.revision.empty() || manifest.revision == now) return {};
     return fmt::format("it is of another state of the survey ({}, now {}): print it again",
-                       manifest.revision, survey_revision(survey));
+                       manifest.revision, now);
   }
-  if (count == 0) return {};
   if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
   return fmt::format("it lists {} as before the survey was changed: print it again", names);
 }
@@ -127,6 +127,21 @@ std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
 void add_stale(const std::string& reason, VerifiedFile& file) {
   file.stale = true;
   file.add_finding("stale", "stale: " + reason);
+}
+
+// Tables that the manifest lists and that have changed since they were printed.
+void find_changed_tables(const PrintManifest& manifest, VerifiedFile& file) {
+  for (const std::string& name : manifest.documents) {
+    const auto hash = manifest.sha256.find(name);
+    if (!name.ends_with(".csv") || hash == manifest.sha256.end()) continue;
+    const fs::path table = manifest.file.parent_path() / name;
+    std::error_code ignored;
+    if (!fs::exists(table, ignored)) continue;
+    const Result<std::string> found = sha256_of_file(table);
+    if (found && *found == hash->second) continue;
+    file.add_finding("changed-file",
+                     fmt::format("{} beside it is not the file that was printed", name));
+  }
 }
 
 PrinterScale parse_scale(const json& root) {
@@ -250,21 +265,6 @@ void find_unlisted(const PrintManifest& manifest, VerifiedFile& file) {
   file.add_finding("unlisted-file",
                    fmt::format("{} does not list it: it may be of another state of the survey",
                                manifest.file.string()));
-}
-
-// Tables that the manifest lists and that have changed since they were printed.
-void find_changed_tables(const PrintManifest& manifest, VerifiedFile& file) {
-  for (const std::string& name : manifest.documents) {
-    const auto hash = manifest.sha256.find(name);
-    if (!name.ends_with(".csv") || hash == manifest.sha256.end()) continue;
-    const fs::path table = manifest.file.parent_path() / name;
-    std::error_code ignored;
-    if (!fs::exists(table, ignored)) continue;
-    const Result<std::string> found = sha256_of_file(table);
-    if (found && *found == hash->second) continue;
-    file.add_finding("changed-file",
-                     fmt::format("{} beside it is not the file that was printed", name));
-  }
 }
 
 ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file) {

@@ -21,7 +21,6 @@
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/revision.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith::detail {
@@ -345,14 +344,12 @@ Result<std::string> conditions_of(const VerifyRequest& request, const std::files
   const auto manifest = manifest_beside(request, path);
   if (!manifest) return fail(manifest.error().message);
   std::vector<std::string> conditions;
-  const std::string name = path.filename().string();
-  if (*manifest && entry_of(**manifest, name) != ManifestEntry::stranger) {
-    conditions.push_back(fmt::format("{} of manifest {}", name, (*manifest)->sha256_of_file));
+  if (*manifest) {
+    conditions.push_back(
+        fmt::format("{} of manifest {}", path.filename().string(), (*manifest)->sha256_of_file));
   }
   if (request.scan_dpi) conditions.push_back(format_number(*request.scan_dpi) + " dpi");
-  for (const Survey& other : request.also) {
-    conditions.push_back(fmt::format("{} {}", other.name, survey_revision(other)));
-  }
+  if (!request.also_revisions.empty()) conditions.push_back(request.also_revisions);
   return fmt::format("{}", fmt::join(conditions, "; "));
 }
 

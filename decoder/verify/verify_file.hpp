@@ -29,6 +29,7 @@ struct VerifyRequest {
   const PhotoCameras* cameras = nullptr;
   // Pictures are scans of so many dots per inch, not photos: sizes are checked as in print files.
   std::optional<double> scan_dpi{};
+  std::string also_revisions{};  // of `also`, for conditions_of
   PictureReading read = read_tags;
 };
 

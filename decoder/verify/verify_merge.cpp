@@ -71,6 +71,15 @@ void add_hung(const std::string& name, const HungTag& hung, VerifyMerge& merged)
   if (!is_new && rank(known->second) < rank(hung)) known->second = hung;
 }
 
+void add_faulty(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
+  if (!tag.tag.empty()) {
+    TagRecord& record = merged.tags[tag.tag];
+    ++record.faults;
+    record.doubts += tag.status == TagStatus::doubtful ? 1 : 0;
+  }
+  add_fault(merged, fault_of(file, tag));
+}
+
 void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
   if (tag.status == TagStatus::cut_off) return;
   merged.shows_tag = merged.shows_tag || file.is_photo();
@@ -83,8 +92,7 @@ void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
   }
   if (in_order || !tag.tag.empty()) {
     TagRecord& record = merged.tags[tag.tag];
-    ++(in_order ? record.seen : record.faults);
-    record.doubts += tag.status == TagStatus::doubtful ? 1 : 0;
+    record.seen += in_order ? 1 : 0;
     record.placed += tag.hung && tag.hung->verdict != HangVerdict::unchecked ? 1 : 0;
     if (in_order && file.is_photo()) {
       const bool fits = tag.hung && tag.hung->verdict == HangVerdict::fits;
@@ -93,7 +101,7 @@ void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
     }
     if (in_order && tag.grade) add_grade(record, *tag.grade);
   }
-  if (!in_order) add_fault(merged, fault_of(file, tag));
+  if (!in_order) add_faulty(file, tag, merged);
 }
 
 std::uint64_t fault_hash(const std::string& identity, const std::string& words) {
@@ -117,11 +125,7 @@ void add_new_faults(const std::string& identity, VerifiedFile& file, VerifyMerge
   for (VerifiedTag& tag : file.tags) {
     if (!tag.is_fault()) continue;
     rules.erase(tag.rule);
-    if (!is_new(tag.tag + tag.rule)) continue;
-    TagRecord& record = merged.tags[tag.tag];
-    ++record.faults;
-    record.doubts += tag.status == TagStatus::doubtful ? 1 : 0;
-    add_fault(merged, fault_of(file, tag));
+    if (is_new(tag.tag + tag.rule)) add_faulty(file, tag, merged);
   }
   if (file.only_lacks_tags()) return;
   for (const std::string& rule : rules) {

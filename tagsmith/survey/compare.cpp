@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
@@ -41,9 +40,8 @@ std::optional<TagDifference> compare(const PlacedTag& before, const PlacedTag& a
     return TagDifference{after.name, TagChange::reprint, distance,
                          template_change + (moved ? "; moves by " + where : "")};
   }
-  const double turned = Eigen::AngleAxisd(before.world_from_plate.rotation.transpose() *
-                                          after.world_from_plate.rotation)
-                            .angle();
+  const double turned =
+      angle_between(before.world_from_plate.rotation, after.world_from_plate.rotation);
   if (moved) return TagDifference{after.name, TagChange::move, distance, "by " + where};
   if (turned < kSameDirection) return std::nullopt;
   return TagDifference{after.name, TagChange::move, distance,

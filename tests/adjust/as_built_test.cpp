@@ -16,11 +16,11 @@ const AsBuiltTag& tag_of(const AsBuiltSurvey& found, const std::string& name) {
 }
 
 // A short drive between two pairs of control tags.
-AsBuiltDrive short_drive(Draws& draws) {
+AsBuiltDrive short_drive(Draws& draws, double control_every = 8) {
   AsBuiltDriveOptions options;
   options.pairs = 11;
   options.stations = 40;
-  options.control_every = 8;
+  options.control_every = control_every;
   return as_built_drive(options, draws);
 }
 
@@ -120,11 +120,7 @@ TEST_CASE("a control tag that does not hang as surveyed is contradicted") {
 TEST_CASE("a pair of control tags that is too high is told by its direction") {
   // 0.1 m on 3.2 m: all tags could be tilted by 1.8 degrees, and each pair supports itself.
   Draws draws(8);
-  AsBuiltDriveOptions options;
-  options.pairs = 11;
-  options.stations = 40;
-  options.control_every = 8;
-  AsBuiltDrive drive = as_built_drive(options, draws);
+  AsBuiltDrive drive = short_drive(draws);
   const std::vector<std::string> control{"000L", "000R", "004L", "004R"};
   const auto is_contradicted = [&] {
     const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, control);
@@ -167,11 +163,7 @@ TEST_CASE("a single control tag is contradicted by the others where these agree"
   for (std::uint64_t seed = 11; seed < 17; ++seed) {
     CAPTURE(seed);
     Draws draws(seed);
-    AsBuiltDriveOptions options;
-    options.pairs = 11;
-    options.stations = 40;
-    options.control_every = 4;
-    AsBuiltDrive drive = as_built_drive(options, draws);
+    AsBuiltDrive drive = short_drive(draws, 4);
     const auto contradicted = [&] {
       return contradicted_by_others(drive.survey, drive.rig, drive.sighted, "005L");
     };

@@ -174,6 +174,9 @@ TEST_CASE("what a later run finds in a file is listed, and the file counted once
   strict.tags[0].status = TagStatus::misplaced;
   strict.tags[0].rule = "moved";
   strict.add_finding("stale", "stale: because");
+  VerifiedTag& unnamed = strict.tags.emplace_back();
+  unnamed.status = TagStatus::unreadable;
+  unnamed.rule = "glare";
   for (const bool strict_first : {true, false}) {
     VerifyMerge merged;
     merge("", strict_first ? strict : plain, merged);
@@ -181,7 +184,8 @@ TEST_CASE("what a later run finds in a file is listed, and the file counted once
     merge("", strict, merged);
     CHECK(merged.files == 1);
     CHECK(merged.repeated == 2);
-    CHECK(merged.fault_count == 2);
+    CHECK(merged.fault_count == 3);
+    CHECK_FALSE(merged.tags.contains(""));
     CHECK(merged.tags["000L"].faults == 1);
     CHECK(status_of(merged.tags["000L"]) == "faulty");
   }
