@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/check_together.hpp"
 
 namespace tagsmith::detail {
 
@@ -112,6 +113,8 @@ std::vector<Survey> surveys_from(const std::vector<tagsmith::Survey>& surveys) {
   std::vector<Survey> all;
   all.reserve(surveys.size());
   for (const tagsmith::Survey& survey : surveys) all.push_back(survey.data().survey);
+  const std::vector<Diagnostic> together = check_together(all);
+  if (has_errors(together)) throw_invalid(to_string(together, true));
   return all;
 }
 

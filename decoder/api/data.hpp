@@ -64,6 +64,7 @@ void check_number(const std::string& name, double value, double least, double gr
 TagTemplate template_from(const PlateTemplate& plate);
 Camera camera_from(const CameraModel& model);
 
+// Throws where they cannot be read together: one name or one code twice, plates of two colours.
 std::vector<Survey> surveys_from(const std::vector<tagsmith::Survey>& surveys);
 
 Corners corners_from(const FrameCorners& corners);

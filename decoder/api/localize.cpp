@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include <tagsmith/localize.hpp>
@@ -12,29 +11,13 @@
 #include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/repeated_pictures.hpp"
+#include "decoder/localize/travel.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith {
 namespace {
 
 using detail::throw_invalid;
-
-// One name is one survey, and one code is one tag.
-void check_together(const std::vector<detail::Survey>& surveys) {
-  if (surveys.empty()) throw_invalid("there is no survey to be located in");
-  std::set<std::string> names;
-  std::set<detail::Digits> codes;
-  for (const detail::Survey& survey : surveys) {
-    if (!names.insert(survey.name).second) {
-      throw_invalid("two surveys are named " + survey.name);
-    }
-    for (const detail::PlacedTag& tag : survey.tags) {
-      if (codes.insert(tag.digits).second) continue;
-      throw_invalid("tag " + tag.name + " of survey " + survey.name + " has the code " +
-                    detail::to_string(tag.digits) + ", which another tag has too");
-    }
-  }
-}
 
 const detail::RigCamera& camera_of(const detail::Rig& rig, const std::string& name) {
   const detail::RigCamera* camera = find_camera(rig, name);
@@ -151,6 +134,7 @@ struct Localizer::State {
   LocalizerOptions options;
   std::optional<detail::LiveTrack> motion{};
   detail::PictureMemory pictures{};
+  detail::LiveDoubts doubts{};
 
   Fix answer(detail::Fix fix) const {
     return fix_from(options.confirmed_only ? if_confirmed(std::move(fix)) : fix);
@@ -159,7 +143,7 @@ struct Localizer::State {
 
 Localizer::Localizer(const std::vector<Survey>& surveys, Rig rig, const LocalizerOptions& options)
     : state_(new State{detail::surveys_from(surveys), std::move(rig), options}) {
-  check_together(state_->surveys);
+  if (surveys.empty()) throw_invalid("there is no survey to be located in");
 }
 
 Localizer::Localizer(Localizer&&) noexcept = default;
@@ -191,12 +175,13 @@ Fix Localizer::track(const Measurement& measurement) {
                          : std::nullopt;
   detail::Fix fix = detail::locate_with(std::move(observation), images, surveys, rig, prior);
   if (measurement.time) fix = follow_track(motion, std::move(fix), *measurement.time, surveys);
-  return state_->answer(std::move(fix));
+  return state_->answer(state_->doubts.judged(std::move(fix), surveys, rig));
 }
 
 void Localizer::reset() {
   state_->motion.reset();
   state_->pictures = {};
+  state_->doubts = {};
 }
 
 }  // namespace tagsmith

@@ -65,9 +65,12 @@ std::vector<VerifiedFile> verify(const Survey& survey,
                                  const VerifyOptions& options) {
   if (options.scan_dpi) detail::check_number("scan_dpi", *options.scan_dpi, 1, 10'000);
   detail::check_number("jobs", options.jobs, 0, 100'000);
-  const std::vector<detail::Survey> also = detail::surveys_from(options.also);
+  std::vector<Survey> together{survey};
+  together.insert(together.end(), options.also.begin(), options.also.end());
+  const std::vector<detail::Survey> surveys = detail::surveys_from(together);
+  const std::vector<detail::Survey> also(surveys.begin() + 1, surveys.end());
   detail::ManifestCache manifests;
-  const detail::VerifyRequest request{.survey = survey.data().survey,
+  const detail::VerifyRequest request{.survey = surveys.front(),
                                       .also = also,
                                       .manifests = &manifests,
                                       .scan_dpi = options.scan_dpi};

@@ -28,9 +28,11 @@ struct Trial {
 };
 constexpr std::size_t kFirstAngle = 3;
 constexpr std::size_t kFocal = 6;
-constexpr std::array<Trial, 5> kTrials{{{3}, {4}, {5}, {kFocal}, {kFirstAngle, 3}}};
+constexpr std::array<Trial, 6> kTrials{{{3}, {4}, {5}, {kFocal}, {kFirstAngle, 3}, {0, 3}}};
 
-double free_sigma(std::size_t parameter) { return parameter == kFocal ? kFreeFocal : kFreeAngle; }
+double free_sigma(std::size_t parameter) {
+  return parameter == kFocal ? kFreeFocal : parameter < kFirstAngle ? kFreePosition : kFreeAngle;
+}
 
 std::size_t count_sightings(const Drive& drive) {
   std::size_t count = 0;
@@ -97,11 +99,11 @@ std::optional<Explained> explained(const Survey& survey, Drive drive, const Rig&
   return std::nullopt;
 }
 
-// Where the cameras may look anywhere, with any lens.
+// Where the cameras may stand and look anywhere, with any lens.
 std::vector<ParameterSigmas> any_sigmas(const Rig& rig) {
   std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
   for (ParameterSigmas& camera : sigmas) {
-    for (std::size_t i = kFirstAngle; i <= kFocal; ++i) camera[i] = free_sigma(i);
+    for (std::size_t i = 0; i <= kFocal; ++i) camera[i] = free_sigma(i);
   }
   return sigmas;
 }
@@ -163,6 +165,16 @@ void take_turn(const RigCamera& stated, const RigCamera& fitted, const Eigen::Ma
   suspect.mounting = mounting_angles(fitted.vehicle_from_camera);
 }
 
+// Where the camera stands.
+void take_shift(const RigCamera& stated, const RigCamera& fitted, const Eigen::Matrix3d& covariance,
+                RigSuspect& suspect) {
+  suspect.parameter = RigParameter::position;
+  suspect.shift = fitted.vehicle_from_camera.translation - stated.vehicle_from_camera.translation;
+  suspect.stated = 0;
+  suspect.expected = suspect.shift.norm();
+  suspect.sigma = std::sqrt(suspect.shift.dot(covariance * suspect.shift)) / suspect.expected;
+}
+
 RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
                       const Explained& with) {
   const RigCamera& stated = rig.cameras[camera];
@@ -173,6 +185,10 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
   suspect.sigma = std::sqrt(covariance(place, place));
   suspect.rows_explained = with.rows;
   if (trial.first == kFocal) return suspect;
+  if (trial.first < kFirstAngle) {
+    take_shift(stated, fitted, covariance.block<3, 3>(place, place), suspect);
+    return suspect;
+  }
   if (trial.count > 1) {
     take_turn(stated, fitted, covariance.block<3, 3>(place, place), suspect);
     return suspect;
@@ -191,7 +207,7 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
 Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::size_t camera,
               const Trial& trial) {
   Rig start = rig;
-  if (trial.first == kFocal) return start;
+  if (trial.first == kFocal || trial.first < kFirstAngle) return start;
   Pose& pose = start.cameras[camera].vehicle_from_camera;
   const MountingAngles stated = mounting_angles(pose);
   Pose likely = pose;
@@ -278,6 +294,14 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
     return fmt::format("{}: a focal length of {:.1f} +-{:.1f} pixels in place of {:.1f}",
                        suspect.camera, suspect.expected * camera.camera.fx,
                        suspect.sigma * camera.camera.fx, camera.camera.fx);
+  }
+  if (suspect.parameter == RigParameter::position) {
+    const Eigen::Vector3d mm = 1000 * suspect.shift;
+    return fmt::format(
+        "{}: a place {:.0f} +-{:.0f} mm from the stated one (by {:+.0f} forward, {:+.0f} to the "
+        "left, {:+.0f} up)",
+        suspect.camera, 1000 * suspect.expected, std::max(1.0, 1000 * suspect.sigma), mm.x(),
+        mm.y(), mm.z());
   }
   const int decimals = degrees(suspect.sigma) < 0.01 ? 3 : 2;
   if (suspect.parameter == RigParameter::turn) {
@@ -373,8 +397,8 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
 }
 
 const char* to_string(RigParameter parameter) {
-  constexpr std::array kNames{"yaw", "pitch", "roll", "turn", "focal"};
-  static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::focal) + 1);
+  constexpr std::array kNames{"yaw", "pitch", "roll", "turn", "focal", "position"};
+  static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::position) + 1);
   return kNames[static_cast<std::size_t>(parameter)];
 }
 

@@ -14,21 +14,24 @@
 
 namespace tagsmith::detail {
 
-enum class RigParameter { yaw, pitch, roll, turn, focal };
+enum class RigParameter { yaw, pitch, roll, turn, focal, position };
 
-// "yaw", "pitch", "roll", "turn", "focal".
+// "yaw", "pitch", "roll", "turn", "focal", "position".
 const char* to_string(RigParameter parameter);
 
-// A single value of the rig, or a camera's turn about any axis, that would explain what the tags
-// show.
+// A single value of the rig, or a camera's turn about any axis or place, that would explain what
+// the tags show.
 struct RigSuspect {
   std::string camera;
   RigParameter parameter = RigParameter::yaw;
-  double stated = 0;  // radians; of the focal length 1, of a turn 0
+  double stated = 0;  // radians; of the focal length 1, of a turn and a position 0
   double expected = 0;
   double sigma = 0;  // of the expected value
   std::size_t rows_explained = 0;
   MountingAngles mounting{};  // expected, of a turn
+  // Of a position: from the stated to the expected one, vehicle axes; metres, as expected and
+  // sigma.
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
 };
 
 struct RigSuspicion {
@@ -42,12 +45,12 @@ struct RigSuspicion {
 };
 
 // Compares the rig as stated with rigs in which one value of one camera is another, or one camera
-// is turned about any axis. A row is explained when all its tags fit. Plates are tilted by what the
-// survey states, or as single pictures show. A rig is suspected by another that explains three rows
-// and seven in ten, twice as many as the rig as stated or all of them so much better that the
-// plates' tolerances would have to take up the same in every row (odds of 270 000), and that
-// differs by four standard deviations and more from what the rig states; unless one plate that
-// hangs wrong explains them about as well.
+// is turned about any axis or stands elsewhere. A row is explained when all its tags fit. Plates
+// are tilted by what the survey states, or as single pictures show. A rig is suspected by another
+// that explains three rows and seven in ten, twice as many as the rig as stated or all of them so
+// much better that the plates' tolerances would have to take up the same in every row (odds of 270
+// 000), and that differs by four standard deviations and more from what the rig states; unless one
+// plate that hangs wrong explains them about as well.
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig);
 

@@ -94,13 +94,17 @@ Json suspicion_json(const RigSuspicion& suspicion, const Rig& rig) {
   Json suspects = Json::array();
   for (const RigSuspect& suspect : suspicion.suspects) {
     const bool is_focal = suspect.parameter == RigParameter::focal;
-    const double unit = is_focal ? find_camera(rig, suspect.camera)->camera.fx : degrees(1.0);
+    const bool is_position = suspect.parameter == RigParameter::position;
+    const double unit = is_focal      ? find_camera(rig, suspect.camera)->camera.fx
+                        : is_position ? 1
+                                      : degrees(1.0);
     suspects.push_back({{"camera", suspect.camera},
                         {"parameter", to_string(suspect.parameter)},
                         {"stated", unit * suspect.stated},
                         {"expected", unit * suspect.expected},
                         {"sigma", unit * suspect.sigma},
                         {"rows_explained", suspect.rows_explained}});
+    if (is_position) suspects.back()["shift"] = number_list(suspect.shift);
   }
   return {{"text", describe(suspicion, rig)},
           {"rows", suspicion.rows},
@@ -162,6 +166,12 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
     values["wrong_height"] = {{"text", to_string(*findings.height)},
                               {"height", findings.height->height},
                               {"stated", findings.height->stated}};
+  }
+  if (findings.range) {
+    values["wrong_range"] = {{"text", to_string(*findings.range)},
+                             {"range", findings.range->name},
+                             {"metres", findings.range->metres},
+                             {"sigmas", findings.range->sigmas}};
   }
   if (!findings.another_drive.empty()) values["another_drive"] = findings.another_drive;
   if (!findings.checked.mixed.empty()) values["mixed_rows"] = findings.checked.mixed;

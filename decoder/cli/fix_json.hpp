@@ -30,6 +30,7 @@ struct RunFindings {
   RunCheck checked;
   std::optional<TurnedHeadings> turned{};
   std::optional<WrongHeight> height{};
+  std::optional<WrongRange> range{};
   std::string another_drive{};  // why the photos show none of the surveys' tags; empty = they do
 };
 

@@ -2,18 +2,26 @@
 #include "decoder/cli/follow.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <deque>
+#include <filesystem>
 #include <iostream>
 #include <limits>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/localize/repeated_pictures.hpp"
+#include "decoder/localize/travel.hpp"
 #include "decoder/verify/set_aside.hpp"
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/base/result.hpp"
@@ -76,6 +84,25 @@ bool is_contradicted(const Fix& fix) {
   return refused || std::ranges::any_of(fix.dropped, is_tag);
 }
 
+// What tells whether a file is still the one that it was.
+using FileState = std::array<std::int64_t, 5>;
+
+std::optional<FileState> state_of(const std::filesystem::path& file) {
+  struct stat found {};
+  if (file.empty() || ::stat(file.c_str(), &found) != 0) return std::nullopt;
+  return FileState{static_cast<std::int64_t>(found.st_dev), static_cast<std::int64_t>(found.st_ino),
+                   found.st_size, found.st_mtim.tv_sec, found.st_mtim.tv_nsec};
+}
+
+// Of each camera that has a picture.
+std::map<std::string, FileState> picture_states(const Measurement& measurement) {
+  std::map<std::string, FileState> states;
+  for (const auto& [name, camera] : measurement.cameras) {
+    if (const auto state = state_of(camera.image)) states.emplace(name, *state);
+  }
+  return states;
+}
+
 // The last measurements, and which tags they show to hang elsewhere than surveyed.
 class RunSoFar {
  public:
@@ -84,9 +111,11 @@ class RunSoFar {
   // The surveys without the tags that are set aside.
   const std::vector<Survey>& surveys() const { return surveys_; }
 
-  void remember(const Measurement& measurement, bool contradicted) {
+  // `pictures`: the states of its files before they were read.
+  void remember(const Measurement& measurement, std::map<std::string, FileState> pictures,
+                bool contradicted) {
     constexpr std::size_t kMost = 40;
-    last_.push_back({measurement, contradicted, std::nullopt});
+    last_.push_back({measurement, std::move(pictures), contradicted, std::nullopt});
     if (last_.size() > kMost) last_.pop_front();
   }
 
@@ -96,8 +125,10 @@ class RunSoFar {
     if (std::ranges::none_of(last_, &Past::contradicted)) return {};
     std::vector<Observation> rows;
     for (Past& past : last_) {
-      if (!past.seen) past.seen = input_.observe(past.measurement);
+      if (!past.seen) past.seen = input_.observe(still_there(past));
       rows.push_back(*past.seen);
+      // Two lines are two moments, whether or not they say when.
+      if (!rows.back().time) rows.back().time = -static_cast<double>(rows.size());
     }
     leave_out_repeated(rows);
     std::vector<std::string> told;
@@ -116,9 +147,21 @@ class RunSoFar {
  private:
   struct Past {
     Measurement measurement;
+    std::map<std::string, FileState> pictures;
     bool contradicted = false;  // and nothing was set aside since
     std::optional<Observation> seen;
   };
+
+  // Without the pictures whose files were written anew or removed: what they hold now is of another
+  // moment.
+  static Measurement still_there(const Past& past) {
+    Measurement left = past.measurement;
+    std::erase_if(left.cameras, [&](const auto& camera) {
+      const auto then = past.pictures.find(camera.first);
+      return then == past.pictures.end() || state_of(camera.second.image) != then->second;
+    });
+    return left;
+  }
 
   const FollowInput& input_;
   std::vector<Survey> surveys_;
@@ -127,14 +170,15 @@ class RunSoFar {
 
 // The position of one measurement, by what the ones before it say of the tags and of the motion.
 Fix locate(const Measurement& measurement, const FollowInput& input, RunSoFar& run,
-           std::optional<LiveTrack>& track) {
+           std::optional<LiveTrack>& track, LiveDoubts& doubts) {
   const bool tracked = input.track && measurement.time.has_value();
   const auto prior = tracked && track
                          ? prior_at(*track, *measurement.time, input.surveys, MotionModel{})
                          : std::nullopt;
+  std::map<std::string, FileState> pictures = picture_states(measurement);
   Fix fix = input.locate(measurement, run.surveys(), prior);
   if (input.observe) {
-    run.remember(measurement, is_contradicted(fix));
+    run.remember(measurement, std::move(pictures), is_contradicted(fix));
     const std::vector<std::string> told = run.set_aside();
     if (!told.empty()) fix = input.locate(measurement, run.surveys(), prior);
     for (const std::string& words : told) {
@@ -143,6 +187,7 @@ Fix locate(const Measurement& measurement, const FollowInput& input, RunSoFar& r
     }
   }
   if (tracked) fix = follow_track(track, std::move(fix), *measurement.time, input.surveys);
+  fix = doubts.judged(std::move(fix), input.surveys, input.rig);
   return input.confirmed ? if_confirmed(std::move(fix)) : fix;
 }
 
@@ -160,6 +205,7 @@ int follow(const FollowInput& input) {
   bool all_located = true;
   std::optional<LiveTrack> track;
   RunSoFar run(input);
+  LiveDoubts doubts;
   int number = 0;
   while (const std::optional<std::string> line = read_line(std::cin, kLongestLine)) {
     ++number;
@@ -171,8 +217,8 @@ int follow(const FollowInput& input) {
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
-      const Fix fix = locate(*measurement, input, run, track);
-      all_located = all_located && fix.position_in_grid.has_value();
+      const Fix fix = locate(*measurement, input, run, track, doubts);
+      all_located = all_located && fix.position_in_grid && fix.doubt.empty();
       answer = fix_json_line(fix, *measurement, input.explain);
     } else {
       all_located = false;

@@ -35,7 +35,7 @@ struct FollowInput {
 
 // Reads a measurement a line from standard input until its end and answers each at once on standard
 // output (docs/formats.md). A line that is no measurement is answered with status "error". Exit
-// code 0 when every measurement was located, else 1.
+// code 0 when every measurement was located and none is in doubt, else 1.
 int follow(const FollowInput& input);
 
 }  // namespace tagsmith::detail

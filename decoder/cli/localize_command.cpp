@@ -387,6 +387,7 @@ void print_doubts(const RunFindings& findings) {
   constexpr const char* kDoubt = "do not rely on these positions";
   if (findings.turned) to_stdout("{}: {}\n", kDoubt, to_string(*findings.turned));
   if (findings.height) to_stdout("{}: {}\n", kDoubt, to_string(*findings.height));
+  if (findings.range) to_stdout("{}: {}\n", kDoubt, to_string(*findings.range));
 }
 
 // What can be known to be wrong before the work.
@@ -471,6 +472,7 @@ int run_localize(LocalizeOptions options) {
   Located located = localize_all(*input, options, std::move(rows), findings.checked);
   findings.turned = turned_headings(located.front());
   findings.height = wrong_height(located.front(), input->surveys, input->rig);
+  findings.range = wrong_range(located.front(), input->rig);
   tell(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
@@ -500,7 +502,8 @@ int run_localize(LocalizeOptions options) {
     print_doubts(findings);
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  const bool is_in_doubt = findings.suspicion || findings.turned || findings.height;
+  const bool is_in_doubt =
+      findings.suspicion || findings.turned || findings.height || findings.range;
   return std::ranges::all_of(fixes, is_located) && !lacks_pictures && !is_in_doubt ? kExitOk
                                                                                    : kExitFindings;
 }

@@ -34,6 +34,7 @@
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 

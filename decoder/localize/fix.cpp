@@ -75,7 +75,8 @@ Fix if_confirmed(Fix fix) {
   none.survey = fix.survey;
   none.tags = fix.tags;
   none.dropped = fix.dropped;
-  none.reason = fix.tags.empty()
+  none.reason = !fix.doubt.empty() ? fix.doubt
+                : fix.tags.empty()
                     ? "predicted from the motion, which nothing confirms"
                     : fmt::format("nothing confirms what {} says: a wrong plate would go unnoticed",
                                   fmt::join(fix.tags, " "));

@@ -33,6 +33,13 @@ struct Dropped {
   std::string reason;
 };
 
+// A range as measured less what all else says of it.
+struct CheckedRange {
+  std::string name;
+  double metres = 0;
+  double sigmas = 0;  // standard deviations of the difference
+};
+
 // Which part of the position's covariance comes from where. Metres^2, grid axes; they add up to the
 // covariance.
 struct ErrorBudget {
@@ -95,7 +102,8 @@ struct Fix {
   std::string survey;               // name of the survey whose tags were used
   std::vector<std::string> tags;    // names of the tags used; without a position, of those seen
   std::vector<std::string> ranges;  // names of the ranges used
-  std::vector<Dropped> dropped;     // tags and ranges that contradict the position
+  std::vector<CheckedRange> checked_ranges;  // with an attitude, all within their sensors' limits
+  std::vector<Dropped> dropped;              // tags and ranges that contradict the position
   // How many agree with the position that need not, were one of its plates wrong: the tags it rests
   // on but one, and the motion where that rests on another tag. With 0 a plate that hangs elsewhere
   // than surveyed, or bears another's code, goes unnoticed.
@@ -118,6 +126,7 @@ struct Fix {
   bool predicted = false;          // from the run's motion: nothing of its own was used
   std::string reason;              // why there is no position; empty with one
   std::vector<std::string> notes;  // what a user of the position should know
+  std::string doubt;               // why none of a drive's positions is relied on; empty = none
 };
 
 // "ok" or "no_position".

@@ -382,6 +382,11 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
   for (const std::size_t i : fit.selection.ranges) {
     fix.ranges.push_back(named.problem.ranges[i].name);
   }
+  for (std::size_t i = 0; i < named.problem.ranges.size(); ++i) {
+    const RangeDifference difference = range_difference(named.problem, fit, i);
+    fix.checked_ranges.push_back({named.problem.ranges[i].name, difference.metres,
+                                  difference.sigmas / std::sqrt(believed.variance_factor)});
+  }
   fix.position_in_grid = grid_from_world(grid, vehicle.position);
   fix.attitude =
       Attitude{std::remainder(grid_heading_from_world(grid, vehicle.heading), 2 * std::numbers::pi),

@@ -333,14 +333,22 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
   return result;
 }
 
-double range_disagreement(const JointProblem& problem, const JointFit& fit, std::size_t index) {
+RangeDifference range_difference(const JointProblem& problem, const JointFit& fit,
+                                 std::size_t index) {
+  constexpr double kLeastShare = 0.01;  // of the range's variance: nearly all the fit knows is it
   const WallRange& range = problem.ranges[index];
   const ObservedWall wall = observe_wall(
       problem.tunnel->centerline, wall_of(*problem.tunnel, range.wall), fit.state.vehicle.position);
-  const double variance =
-      range.sigma * range.sigma +
+  const double residual = range.distance - wall.distance;
+  const double own = range.sigma * range.sigma;
+  const double of_fit =
       wall.by_position.dot(fit.covariance.topLeftCorner<3, 3>() * wall.by_position);
-  return std::abs(wall.distance - range.distance) / std::sqrt(variance);
+  if (std::ranges::find(fit.selection.ranges, index) == fit.selection.ranges.end()) {
+    return {residual, residual / std::sqrt(own + of_fit)};
+  }
+  // A fit that rests on it moved towards it by of_fit / own of the difference.
+  const double left = std::max(own - of_fit, kLeastShare * own);
+  return {residual * own / left, residual / std::sqrt(left)};
 }
 
 std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& problem,

@@ -103,8 +103,15 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
 // Regression", 2.2).
 Eigen::Vector3d position_shift_without(const JointFit& fit, std::size_t index);
 
-// Difference of a range from the fit (which does not rest on it), in standard deviations of it.
-double range_disagreement(const JointProblem& problem, const JointFit& fit, std::size_t range);
+// A range as measured less what the fit predicts for it without it.
+struct RangeDifference {
+  double metres = 0;
+  double sigmas = 0;  // standard deviations of the difference
+};
+
+// Whether or not the fit rests on it.
+RangeDifference range_difference(const JointProblem& problem, const JointFit& fit,
+                                 std::size_t range);
 
 // The pixels where the fit sees a sighting's corners; nothing when it cannot.
 std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& problem,

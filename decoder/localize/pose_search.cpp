@@ -249,7 +249,7 @@ std::optional<Candidate> with_ranges(const JointProblem& problem, JointFit fit) 
   Selection selection = fit.selection;
   double beyond = 0;
   for (std::size_t i = 0; i < problem.ranges.size(); ++i) {
-    if (range_disagreement(problem, fit, i) < kRangeGate) {
+    if (std::abs(range_difference(problem, fit, i).sigmas) < kRangeGate) {
       selection.ranges.push_back(i);
     } else {
       beyond += kRangeGate * kRangeGate;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,7 +15,8 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kMostRemembered = 64;
+// A minute of eight cameras with eight pictures a second; a picture that is met again stays.
+constexpr std::size_t kMostRemembered = 4096;
 
 struct Place {
   std::size_t row = 0;
@@ -56,6 +58,7 @@ std::vector<CameraImage> PictureMemory::new_ones(std::span<const CameraImage> im
       seen_.push_back({picture, *observation.time});
       if (seen_.size() > kMostRemembered) seen_.pop_front();
     } else if (earlier->time != *observation.time) {
+      std::rotate(earlier, std::next(earlier), seen_.end());
       observation.faults.push_back(
           fmt::format("{}: not used, a measurement of another time has the same picture; does "
                       "camera {} deliver new ones?",

@@ -32,7 +32,7 @@ class PictureMemory {
     std::uint64_t picture = 0;
     double time = 0;  // seconds
   };
-  std::deque<Seen> seen_;  // the latest last
+  std::deque<Seen> seen_;  // the latest last; one that came again counts as late
 };
 
 // Takes what was seen in pictures that rows of several times have out of all of these, and adds a

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the positions of a run make sense together: the headings point the way that the vehicle
-// went, and it stands as high as the rig says.
+// went, it stands as high as the rig says, and ranges are about as long as the tags say.
 #pragma once
 
 #include <cstddef>
@@ -40,6 +40,34 @@ struct WrongHeight {
 // symbol reads as it does upright and a level camera sees a world that makes sense.
 std::optional<WrongHeight> wrong_height(std::span<const Fix> fixes,
                                         const std::vector<Survey>& surveys, const Rig& rig);
+
+// By how much a range is longer than the tags of a run say.
+struct WrongRange {
+  std::string name;
+  double metres = 0;     // median of the rows, negative = shorter
+  double sigmas = 0;     // standard deviations of the difference, median
+  std::size_t rows = 0;  // that were compared
+};
+
+// The range that lies 2.5 standard deviations and more to the same side of what the tags say on the
+// median of five rows and more. A single row leaves such a range out, since echoes are frequent;
+// echoes are no median. Tags seen through one lens agree with each other however wrong its focal
+// length is: the range alone shows it.
+std::optional<WrongRange> wrong_range(std::span<const Fix> fixes, const Rig& rig);
+
+// The same of a vehicle that drives.
+class LiveDoubts {
+ public:
+  // The fix; while the last ones show together that they are not to be relied on, with this as a
+  // note and nothing that confirms it.
+  Fix judged(Fix fix, const std::vector<Survey>& surveys, const Rig& rig);
+
+ private:
+  std::vector<Fix> last_;  // what is asked of them alone
+};
+
+// "range d is 0.071 m longer than the tags say ..."
+std::string to_string(const WrongRange& wrong);
 
 // "the vehicle stands 0.088 m above the floor ..."
 std::string to_string(const WrongHeight& wrong);

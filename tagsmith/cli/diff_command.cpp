@@ -11,6 +11,7 @@
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/survey/compare.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -28,7 +29,7 @@ auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
   return std::ranges::count(differences, change, &TagDifference::change);
 }
 
-void print_json(const std::vector<TagDifference>& differences) {
+void print_json(const std::vector<TagDifference>& differences, const Survey& after) {
   for (const TagDifference& difference : differences) {
     to_stdout("{}\n", json_text({{"tag", difference.tag},
                                  {"change", to_string(difference.change)},
@@ -39,7 +40,8 @@ void print_json(const std::vector<TagDifference>& differences) {
                                 {{"print", count_of(differences, TagChange::print)},
                                  {"reprint", count_of(differences, TagChange::reprint)},
                                  {"move", count_of(differences, TagChange::move)},
-                                 {"remove", count_of(differences, TagChange::remove)}}}}));
+                                 {"remove", count_of(differences, TagChange::remove)},
+                                 {"revision", survey_revision(after)}}}}));
 }
 
 // Standard output is a list that `print --only` takes; the count goes to standard error.
@@ -48,6 +50,7 @@ void print_words(const std::vector<TagDifference>& differences, const Survey& be
   for (const TagDifference& difference : differences) {
     to_stdout("{:<7} {}  {}\n", to_string(difference.change), difference.tag, difference.reason);
   }
+  if (!differences.empty()) to_stdout("{}{}\n", kRevisionLine, survey_revision(after));
   to_stderr("{} {} -> {}: {} to print, {} to reprint, {} to move, {} to remove\n", after.name,
             survey_revision(before), survey_revision(after),
             count_of(differences, TagChange::print), count_of(differences, TagChange::reprint),
@@ -61,7 +64,7 @@ int diff(const DiffOptions& options) {
   if (!after) return report_failure("diff", after.error());
   const std::vector<TagDifference> differences = compare_surveys(*before, *after);
   if (options.json) {
-    print_json(differences);
+    print_json(differences, *after);
   } else {
     print_words(differences, *before, *after);
   }

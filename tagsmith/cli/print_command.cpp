@@ -62,14 +62,21 @@ Result<std::vector<const PlacedTag*>> chosen_tags(const Survey& survey,
                                                   const PrintOptions& options) {
   const bool listed = !options.only.empty();
   const bool all = !listed && options.tags.empty();
-  const Result<std::vector<std::string>> names =
-      listed ? read_tags_to_print(options.only, std::cin) : options.tags;
-  if (!names) return fail(names.error().message);
-  for (const std::string& name : *names) {
+  const Result<TagsToPrint> list =
+      listed ? read_tags_to_print(options.only, std::cin) : TagsToPrint{options.tags, ""};
+  if (!list) return fail(list.error().message);
+  if (const std::string revision = survey_revision(survey);
+      !list->revision.empty() && list->revision != revision) {
+    return fail(fmt::format(
+        "{}: the list is for revision {} of the survey, {} is revision {}; print the survey that "
+        "the list was made for, or list the changes to this one with `tagsmith diff`",
+        options.only, list->revision, survey.file.string(), revision));
+  }
+  for (const std::string& name : list->names) {
     if (find_tag(survey, name) != nullptr) continue;
     return tl::unexpected(unknown_tag(survey, listed ? options.only : "--tags", name));
   }
-  const std::set<std::string> wanted(names->begin(), names->end());
+  const std::set<std::string> wanted(list->names.begin(), list->names.end());
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : survey.tags) {
     if (all || wanted.contains(tag.name)) tags.push_back(&tag);

@@ -20,6 +20,7 @@ namespace {
 struct Wanted {
   std::string name;
   bool print = true;
+  std::string revision{};
 };
 
 bool asks_for_print(std::string_view change) { return change == "print" || change == "reprint"; }
@@ -27,13 +28,21 @@ bool asks_for_print(std::string_view change) { return change == "print" || chang
 Wanted from_json(const std::string& line) {
   const nlohmann::json object = parse_json(line);
   if (!object.is_object()) return {};
-  if (object.contains("summary")) return {"summary", false};
+  if (const auto summary = object.find("summary"); summary != object.end()) {
+    const bool names_revision = summary->contains("revision") && (*summary)["revision"].is_string();
+    return {"summary", false, names_revision ? (*summary)["revision"].get<std::string>() : ""};
+  }
   const auto tag = object.find("tag");
   const auto change = object.find("change");
   if (tag == object.end() || !tag->is_string()) return {};
   if (change == object.end()) return {tag->get<std::string>()};
   if (!change->is_string()) return {};
   return {tag->get<std::string>(), asks_for_print(change->get<std::string>())};
+}
+
+Wanted from_comment(const std::string& line) {
+  const bool names_revision = line.starts_with(kRevisionLine);
+  return {"#", false, names_revision ? line.substr(kRevisionLine.size()) : ""};
 }
 
 Wanted from_words(const std::string& line) {
@@ -48,8 +57,7 @@ Wanted from_words(const std::string& line) {
 
 }  // namespace
 
-Result<std::vector<std::string>> read_tags_to_print(const std::string& path,
-                                                    std::istream& standard_input) {
+Result<TagsToPrint> read_tags_to_print(const std::string& path, std::istream& standard_input) {
   constexpr std::size_t kMostBytes = 64U << 20U;
   std::string text;
   if (path == "-") {
@@ -59,22 +67,25 @@ Result<std::vector<std::string>> read_tags_to_print(const std::string& path,
     if (!bytes) return fail(bytes.error().message);
     text = *bytes;
   }
-  std::vector<std::string> names;
+  TagsToPrint tags;
   int number = 0;
   for (const std::string& raw : split(text, '\n')) {
     ++number;
     const std::string line(trim(raw));
-    if (line.empty() || line.front() == '#') continue;
-    const Wanted wanted = line.front() == '{' ? from_json(line) : from_words(line);
+    if (line.empty()) continue;
+    const Wanted wanted = line.front() == '{'   ? from_json(line)
+                          : line.front() == '#' ? from_comment(line)
+                                                : from_words(line);
     if (wanted.name.empty()) {
       return fail(
           fmt::format("{}:{}: `{}` names no tag, expected a name, or `reprint NAME` as "
                       "tagsmith diff writes it",
                       path, number, line.substr(0, 60)));
     }
-    if (wanted.print) names.push_back(wanted.name);
+    if (!wanted.revision.empty()) tags.revision = wanted.revision;
+    if (wanted.print) tags.names.push_back(wanted.name);
   }
-  return names;
+  return tags;
 }
 
 }  // namespace tagsmith::detail

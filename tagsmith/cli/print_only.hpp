@@ -4,17 +4,26 @@
 
 #include <iosfwd>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
 
 namespace tagsmith::detail {
 
-// The names in a file ("-" = `standard_input`), one a line: alone, or as `tagsmith diff` writes
+// What a list asks to print.
+struct TagsToPrint {
+  std::vector<std::string> names;
+  std::string revision;  // the state of the survey that the list was made for; empty = not said
+};
+
+// Begins the line of a list in words that says the survey's revision.
+inline constexpr std::string_view kRevisionLine = "# for revision ";
+
+// What a file ("-" = `standard_input`) asks for, a name a line: alone, or as `tagsmith diff` writes
 // them, in words or with --json. Of a diff's lines those that say print or reprint count; move and
 // remove ask for no print. Empty lines and lines that begin with # are skipped. Fails on other
 // lines.
-Result<std::vector<std::string>> read_tags_to_print(const std::string& path,
-                                                    std::istream& standard_input);
+Result<TagsToPrint> read_tags_to_print(const std::string& path, std::istream& standard_input);
 
 }  // namespace tagsmith::detail

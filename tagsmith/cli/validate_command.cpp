@@ -23,6 +23,7 @@
 #include "tagsmith/render/logo.hpp"
 #include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/assumptions.hpp"
+#include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"

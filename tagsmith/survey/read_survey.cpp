@@ -13,6 +13,7 @@
 #include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/check_tags.hpp"
+#include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/exchanged_codes.hpp"
 #include "tagsmith/survey/lint_tags.hpp"
 #include "tagsmith/survey/place_tags.hpp"
@@ -338,55 +339,6 @@ Result<std::vector<Survey>> load_surveys(const std::vector<fs::path>& paths) {
   const std::vector<Diagnostic> together = check_together(surveys);
   if (has_errors(together)) return fail(to_string(together, true));
   return surveys;
-}
-
-namespace {
-
-std::string colours_of(const TagTemplate& tag) {
-  return tag.white_on_black ? "white on black" : "black on white";
-}
-
-}  // namespace
-
-std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
-  struct Owner {
-    const Survey* survey;
-    const PlacedTag* tag;
-  };
-  std::map<std::string, const Survey*> by_name;
-  std::map<Digits, Owner> by_digits;
-  std::vector<Diagnostic> diagnostics;
-  for (const Survey& survey : surveys) {
-    FindingLog log(survey.file.string());
-    const auto [named, new_name] = by_name.emplace(survey.name, &survey);
-    if (!new_name) {
-      log.error(
-          {}, "duplicate-survey",
-          "the survey is named " + survey.name + ", and so is " + named->second->file.string(),
-          "give each survey a name of its own");
-    }
-    const Survey& front = surveys.front();
-    if (survey.tag_template.white_on_black != front.tag_template.white_on_black) {
-      log.error({}, "mixed-colours",
-                "the plates are " + colours_of(survey.tag_template) + ", those of " +
-                    front.file.string() + " are " + colours_of(front.tag_template),
-                "read the pictures of each by itself");
-    }
-    for (const PlacedTag& tag : survey.tags) {
-      const auto [first, is_new] = by_digits.emplace(tag.digits, Owner{&survey, &tag});
-      if (is_new || first->second.survey == &survey) continue;
-      const PlacedTag& other = *first->second.tag;
-      log.error({tag.line, tag.column}, "code-collision",
-                "tag " + tag.name + " has the code " + to_string(tag.digits) + ", and so has tag " +
-                    other.name + " of " + first->second.survey->file.string() + ":" +
-                    std::to_string(other.line),
-                "give the surveys different code.origin or different check digits");
-    }
-    if (surveys.size() > 1) lint_exchanged_codes(survey, surveys, log);
-    const std::vector<Diagnostic> found = allowed_removed(log.sorted(), survey.file);
-    diagnostics.insert(diagnostics.end(), found.begin(), found.end());
-  }
-  return diagnostics;
 }
 
 }  // namespace tagsmith::detail

@@ -25,7 +25,4 @@ Result<Survey> load_survey(const std::filesystem::path& path);
 // As load_survey for each path; codes must be unique over all of them.
 Result<std::vector<Survey>> load_surveys(const std::vector<std::filesystem::path>& paths);
 
-// Findings about several surveys together: equal codes, equal survey names.
-std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys);
-
 }  // namespace tagsmith::detail

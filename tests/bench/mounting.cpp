@@ -128,34 +128,42 @@ void turn(Site& site, std::size_t camera, RigParameter parameter, double by) {
   pose = vehicle_from_camera(angles.yaw, angles.pitch, angles.roll, pose.translation);
 }
 
+void shift(Site& site, std::size_t camera, double by, Draws& draws) {
+  site.rig.cameras[camera].vehicle_from_camera.translation += by * draws.normals(1).normalized();
+}
+
 void zoom(Site& site, std::size_t camera, double factor) {
   site.rig.cameras[camera].camera.fx *= factor;
   site.rig.cameras[camera].camera.fy *= factor;
 }
 
 std::vector<Mistake> mistakes() {
-  return {{"rig and survey right", [](Site&, Draws&) {}, ""},
-          {"a plate 20 to 150 mm off",
-           [](Site& site, Draws& draws) {
-             const std::size_t plate = draws.index(site.survey.tags.size());
-             site.survey.tags[plate].world_from_plate.translation +=
-                 draws.uniform(0.02, 0.15) * draws.normals(1).normalized();
-           },
-           ""},
-          {"left yaw off by 1 degree",
-           [](Site& site, Draws&) { turn(site, 0, RigParameter::yaw, 1); }, "left"},
-          {"right pitch off by 1 degree",
-           [](Site& site, Draws&) { turn(site, 1, RigParameter::pitch, 1); }, "right",
-           RigParameter::pitch},
-          {"left roll off by 1 degree",
-           [](Site& site, Draws&) { turn(site, 0, RigParameter::roll, 1); }, "left",
-           RigParameter::roll},
-          {"right focal length off by 2 %", [](Site& site, Draws&) { zoom(site, 1, 1.02); },
-           "right", RigParameter::focal}};
+  return {
+      {"rig and survey right", [](Site&, Draws&) {}, ""},
+      {"a plate 20 to 150 mm off",
+       [](Site& site, Draws& draws) {
+         const std::size_t plate = draws.index(site.survey.tags.size());
+         site.survey.tags[plate].world_from_plate.translation +=
+             draws.uniform(0.02, 0.15) * draws.normals(1).normalized();
+       },
+       ""},
+      {"left yaw off by 1 degree", [](Site& site, Draws&) { turn(site, 0, RigParameter::yaw, 1); },
+       "left"},
+      {"right pitch off by 1 degree",
+       [](Site& site, Draws&) { turn(site, 1, RigParameter::pitch, 1); }, "right",
+       RigParameter::pitch},
+      {"left roll off by 1 degree",
+       [](Site& site, Draws&) { turn(site, 0, RigParameter::roll, 1); }, "left",
+       RigParameter::roll},
+      {"right focal length off by 2 %", [](Site& site, Draws&) { zoom(site, 1, 1.02); }, "right",
+       RigParameter::focal},
+      {"left camera 3 cm elsewhere", [](Site& site, Draws& draws) { shift(site, 0, 0.03, draws); },
+       "left", RigParameter::position},
+      {"right camera 6 cm elsewhere", [](Site& site, Draws& draws) { shift(site, 1, 0.06, draws); },
+       "right", RigParameter::position}};
 }
 
-void print_suspicion(const Mistake& mistake, int count, std::uint64_t seed) {
-  const Site surveyed = surveyed_corridor();
+void print_suspicion(const Site& surveyed, const Mistake& mistake, int count, std::uint64_t seed) {
   Draws draws(seed);
   int told = 0;
   int named = 0;
@@ -179,10 +187,20 @@ void print_suspicion(const Mistake& mistake, int count, std::uint64_t seed) {
 }  // namespace tagsmith::detail::test
 
 int main(int argc, char** argv) {
+  using namespace tagsmith::detail;
   using namespace tagsmith::detail::test;
   const int count = argc > 1 ? std::atoi(argv[1]) : 200;
   const auto seed = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
   print_mountings(count, seed);
-  for (const Mistake& mistake : mistakes()) print_suspicion(mistake, count, seed + 1);
+  Site surveyed = surveyed_corridor();
+  for (const Mistake& mistake : mistakes()) print_suspicion(surveyed, mistake, count, seed + 1);
+  for (RigCamera& camera : surveyed.rig.cameras) {
+    camera.calibration_sigma.position = 0.005;
+    camera.calibration_sigma.angle = radians(0.3);
+    camera.calibration_sigma.focal = 0.003;
+  }
+  const Mistake none{"cameras as unsure as the rig says",
+                     [](Site& site, Draws& draws) { site.rig = disturbed(site.rig, draws); }, ""};
+  print_suspicion(surveyed, none, count, seed + 1);
   return 0;
 }

@@ -94,6 +94,21 @@ TEST_CASE("a camera that hangs askew about its axis is told") {
   CHECK(std::abs(left->expected) < radians(0.1));
 }
 
+TEST_CASE("a camera that stands elsewhere than the rig says is told with the way there") {
+  const Seen seen = corridor_seen(9);
+  Rig wrong = seen.site.rig;
+  const Vector3d off(0.01, 0.02, 0.05);
+  wrong.cameras[0].vehicle_from_camera.translation -= off;
+  const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+  REQUIRE(suspicion);
+  const RigSuspect* left = suspect_named(*suspicion, "left");
+  REQUIRE(left != nullptr);
+  CHECK(left->parameter == RigParameter::position);
+  CHECK((left->shift - off).norm() < 0.005);
+  CHECK(left->expected == doctest::Approx(left->shift.norm()));
+  CHECK(left->sigma < 0.005);
+}
+
 TEST_CASE("a camera that is turned about a slanted axis is told with its angles") {
   const Seen seen = corridor_seen(10);
   Rig wrong = seen.site.rig;

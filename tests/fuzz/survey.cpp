@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surveys: what is read without errors is also listed and drawn into points.
 #include "tagsmith/cli/tag_list.hpp"
+#include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 

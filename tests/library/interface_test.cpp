@@ -199,6 +199,18 @@ TEST_CASE("arguments that nobody can use are refused with the reason") {
   check_refused(
       "no survey", [&] { const Localizer none({}, rig); }, "no survey");
   check_refused(
+      "a survey twice",
+      [&] {
+        const Localizer twice({survey, survey}, rig);
+      },
+      "the survey is named corridor");
+  check_refused(
+      "another survey of equal codes",
+      [&] {
+        tagsmith::verify(survey, {}, {{tagsmith::Survey(corridor())}, {}, 1});
+      },
+      "code-collision");
+  check_refused(
       "no covariance", [&] { localizer.locate(measurement); }, "positive definite");
   check_refused(
       "no digits", [&] { tagsmith::draw_tag({}, "abc"); }, "twelve digits");

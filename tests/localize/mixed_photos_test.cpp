@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include "decoder/localize/exchanged_cameras.hpp"
@@ -118,6 +119,26 @@ TEST_CASE("pictures that an earlier measurement had are left out while the vehic
   CHECK(two.faults.front().starts_with("c: not used"));
   // A picture of the other camera.
   CHECK(memory.new_ones(std::vector<CameraImage>{{&right, first.view(), "e"}}, three).empty());
+}
+
+TEST_CASE("a camera that hangs is not believed again while others deliver thousands of pictures") {
+  RigCamera left, right;
+  const GrayImage stuck = picture_of(1);
+  PictureMemory memory;
+  GrayImage live = picture_of(2);
+  std::size_t left_out = 0;
+  for (int row = 0; row < 10'000; ++row) {
+    live.samples[0] = static_cast<std::uint8_t>(row % 256);
+    live.samples[1] = static_cast<std::uint8_t>(row / 256);
+    Observation observation;
+    observation.time = row;
+    left_out += 2 - memory
+                        .new_ones(std::vector<CameraImage>{{&left, stuck.view(), "stuck"},
+                                                           {&right, live.view(), "live"}},
+                                  observation)
+                        .size();
+  }
+  CHECK(left_out == 9'999);
 }
 
 TEST_CASE("fingerprints tell pictures apart by a single grey level, and by their size") {

@@ -87,6 +87,61 @@ TEST_CASE("a vehicle at another height than the rig's is told by the median of i
   CHECK_FALSE(told({0.13, 0.13, 0.13}));
 }
 
+TEST_CASE("a range that is longer than the tags say in most rows is told, echoes are not") {
+  const Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  const std::string name = rig.ranges.front().name;
+  const auto told = [&](const std::vector<double>& sigmas) {
+    std::vector<Fix> fixes;
+    for (const double difference : sigmas) {
+      fixes.push_back(fix_at(1, static_cast<double>(fixes.size()), 0));
+      fixes.back().checked_ranges = {{name, 0.01 * difference, difference}};
+    }
+    return wrong_range(fixes, rig);
+  };
+  REQUIRE(told({2.4, 2.8, 3.1, 2.6, 2.9}));
+  CHECK(told({2.4, 2.8, 3.1, 2.6, 2.9})->metres == doctest::Approx(0.028));
+  CHECK(told({-7, -6, -6.5, -7.2, 0.3, -6.4}));
+  CHECK_FALSE(told({2.8, 3.1, 2.6, 2.9}));
+  CHECK_FALSE(told({0.2, -0.5, 140, 60, 0.8}));
+  CHECK_FALSE(told({0.2, 2.8, 3, 0.5, 1}));
+  CHECK_FALSE(told({7, -7, 6, -6, 7.5, -8}));
+}
+
+TEST_CASE("steps of a dense drive are put together") {
+  std::vector<Fix> dense;
+  for (int i = 0; i < 60; ++i) dense.push_back(fix_at(0, 0.1 * i, radians(40)));
+  REQUIRE(turned_headings(dense));
+  CHECK(degrees(turned_headings(dense)->angle) == doctest::Approx(40));
+  dense.resize(20);
+  CHECK_FALSE(turned_headings(dense));
+}
+
+TEST_CASE("positions of a vehicle that drives lose what confirms them once the last are in doubt") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  rig.vehicle_height = 0.24;
+  rig.height_sigma = 0.05;
+  LiveDoubts doubts;
+  const auto judged = [&](double height) {
+    Fix fix = fix_at(1, 1, 0);
+    fix.survey = survey.name;
+    fix.position_in_grid->z() = height;
+    fix.confirmations = 2;
+    return doubts.judged(std::move(fix), {survey}, rig);
+  };
+  CHECK(judged(0.09).confirmations == 2);
+  CHECK(judged(0.09).confirmations == 2);
+  const Fix third = judged(0.09);
+  CHECK(third.confirmations == 0);
+  CHECK(third.position_in_grid);
+  REQUIRE(third.notes.size() == 1);
+  CHECK(
+      third.notes.front().starts_with("do not rely on this position: the vehicle stands 0.090 m"));
+  CHECK(if_confirmed(third).reason == third.doubt);
+  for (int i = 0; i < 3; ++i) judged(0.24);
+  CHECK(judged(0.24).confirmations == 2);
+}
+
 TEST_CASE("places that were chosen across the drive as well tell nothing") {
   std::vector<Fix> fixes;
   for (int i = 0; i < 12; ++i) fixes.push_back(fix_at(i % 2 == 0 ? 1.0 : 2.0, 0.6 * i, 0));

@@ -92,7 +92,7 @@ def test_names_that_the_rig_does_not_have_are_refused(survey, rig):
         localizer.locate({"front": images_of(rows()[0])["left"]})
     with pytest.raises(tagsmith.Error, match="no range `e`"):
         localizer.locate(ranges={"e": 1.0})
-    with pytest.raises(tagsmith.Error, match="two surveys"):
+    with pytest.raises(tagsmith.Error, match="duplicate-survey"):
         tagsmith.Localizer([survey, survey], rig)
 
 

@@ -237,6 +237,12 @@ TEST_CASE("diff tells what to do, and print --only prints what it asks for") {
     CHECK(manifest_in(out)["tags"].size() == 1);
     CHECK(fs::exists(out / "002L.pdf"));
     fs::remove_all(out);
+    // The list asks for the new survey's plates.
+    const ProgramOutput old = print(kCorridor, out, "--only '" + list.string() + "'");
+    CHECK(old.exit_code == 2);
+    CHECK_MESSAGE(old.err.find("changes.txt: the list is for revision") != std::string::npos,
+                  old.err);
+    CHECK(!fs::exists(out));
   }
   CHECK(run_tagsmith(std::string("diff ") + kCorridor + " " + kCorridor).exit_code == 0);
   REQUIRE(write_file(folder.path() / "bad.txt", "please print all\n"));

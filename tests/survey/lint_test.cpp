@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"

@@ -99,7 +99,8 @@ struct VerifyOptions {
 
 // Photos and print files (PDF, SVG, PNG with their manifest) against the survey they should show,
 // in the order of the paths. A file that cannot be read is a finding, not a failure. Fails with
-// ErrorCode::invalid_argument on options out of their range.
+// ErrorCode::invalid_argument on options out of their range, and on other surveys that share a name
+// or a code with this one or have plates of other colours.
 TAGSMITH_EXPORT std::vector<VerifiedFile> verify(const Survey& survey,
                                                  const std::vector<std::filesystem::path>& paths,
                                                  const VerifyOptions& options = {});

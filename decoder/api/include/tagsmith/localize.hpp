@@ -93,7 +93,7 @@ struct LocalizerOptions {
 class TAGSMITH_EXPORT Localizer {
  public:
   // Fails with ErrorCode::invalid_argument without a survey, and on surveys that share a name or a
-  // code.
+  // code or have plates of different colours.
   Localizer(const std::vector<Survey>& surveys, Rig rig, const LocalizerOptions& options = {});
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
@@ -107,8 +107,9 @@ class TAGSMITH_EXPORT Localizer {
 
   // The position while the vehicle drives, the same as `tagsmith localize --follow` gives: tags are
   // looked for where the motion so far lets expect them, which is faster, and a position that
-  // contradicts the motion is doubted. Measurements come in the order of their times; without a
-  // time one is located by itself. One thread at a time.
+  // contradicts the motion is doubted, and so are all where the last ones show together that they
+  // are not to be relied on: they have a note that says why and no confirmations. Measurements come
+  // in the order of their times; without a time one is located by itself. One thread at a time.
   Fix track(const Measurement& measurement);
 
   // Forgets the motion: the vehicle was moved.
