@@ -13,6 +13,7 @@
 #include "decoder/localize/repeated_pictures.hpp"
 #include "decoder/localize/travel.hpp"
 #include "tagsmith/geometry/covariance.hpp"
+#include "tagsmith/survey/check_together.hpp"
 
 namespace tagsmith {
 namespace {
@@ -144,6 +145,7 @@ struct Localizer::State {
 Localizer::Localizer(const std::vector<Survey>& surveys, Rig rig, const LocalizerOptions& options)
     : state_(new State{detail::surveys_from(surveys), std::move(rig), options}) {
   if (surveys.empty()) throw_invalid("there is no survey to be located in");
+  if (const auto one = check_one_grid(state_->surveys); !one) throw_invalid(one.error().message);
 }
 
 Localizer::Localizer(Localizer&&) noexcept = default;

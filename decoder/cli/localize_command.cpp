@@ -43,6 +43,7 @@
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/survey/assumptions.hpp"
+#include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -93,6 +94,7 @@ Result<std::vector<Survey>> surveys_of(const LocalizeOptions& options) {
 Result<LocalizeInput> load(const LocalizeOptions& options) {
   auto surveys = surveys_of(options);
   if (!surveys) return fail(surveys.error().message);
+  if (const auto one = check_one_grid(*surveys); !one) return fail(one.error().message);
   auto rig = load_rig(options.rig);
   if (!rig) return fail(rig.error().message);
   if (options.follow) return LocalizeInput{std::move(*surveys), std::move(*rig), {}};

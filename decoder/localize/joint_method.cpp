@@ -2,6 +2,7 @@
 #include "decoder/localize/joint_method.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -204,6 +205,38 @@ std::optional<Doubt> doubt(const NamedProblem& named, const PoseSearch& search, 
   return plate_count(best) == 1 ? doubt_of_lone_tag(problem, best) : std::nullopt;
 }
 
+// "the place of camera left".
+std::string calibration_name(const Rig& rig, std::size_t parameter) {
+  constexpr std::array kNames{"place",           "place",     "place",        "direction",
+                              "direction",       "direction", "focal length", "principal point",
+                              "principal point", "distortion"};
+  static_assert(kNames.size() == kCalibrationCount);
+  const CalibrationLayout layout = calibration_layout(rig);
+  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    const auto& places = layout.places[camera];
+    const auto found = std::ranges::find(places, static_cast<int>(parameter));
+    if (found == places.end()) continue;
+    return fmt::format("the {} of camera {}",
+                       kNames[static_cast<std::size_t>(found - places.begin())],
+                       rig.cameras[camera].name);
+  }
+  return "the calibration";
+}
+
+// A camera that stands or looks elsewhere than the rig says, or has another lens, by what all tags
+// say together: the fit took its part in it up, and the position is off with it.
+std::optional<Doubt> doubt_by_calibration(const JointProblem& problem, const JointFit& fit,
+                                          const Grid& grid) {
+  constexpr double kGate = 4;  // one of twenty parameters is farther off once in 800 measurements
+  const ParameterDifference greatest = greatest_calibration_difference(fit);
+  if (greatest.sigmas < kGate) return std::nullopt;
+  return Doubt{fmt::format(
+      "{} put the vehicle at {}, but only where {} is {:.1f} standard deviations from what the rig "
+      "says: does the rig's file differ from what is?",
+      tags_text(problem, fit), pose_text(grid, fit.state.vehicle),
+      calibration_name(*problem.rig, greatest.parameter), greatest.sigmas)};
+}
+
 // --- understated standard deviations ---
 
 // A fit, and the factor of its covariance that explains its chi-square.
@@ -255,10 +288,14 @@ tl::expected<Believed, std::string> judge(const NamedProblem& named, PoseSearch&
   const JointProblem& problem = named.problem;
   if (const auto doubtful = doubt(named, search, grid)) {
     auto together = doubtful->contradiction ? reconciled(problem, search) : std::nullopt;
-    if (together) return std::move(*together);
+    const bool is_sound = together && !doubt_by_calibration(problem, together->fit, grid);
+    if (is_sound) return std::move(*together);
     return tl::unexpected(doubtful->reason);
   }
   JointFit& fit = search.candidates.front().fit;
+  if (const auto doubtful = doubt_by_calibration(problem, fit, grid)) {
+    return tl::unexpected(doubtful->reason);
+  }
   const double factor = variance_factor(fit);
   if (factor > kMostVarianceFactor) {
     return tl::unexpected(

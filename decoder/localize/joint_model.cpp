@@ -333,6 +333,22 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
   return result;
 }
 
+ParameterDifference greatest_calibration_difference(const JointFit& fit) {
+  constexpr double kLeastShare = 1e-4;  // of its variance that the fit takes away, to be checked
+  ParameterDifference greatest;
+  const WhitenedRows& rows = fit.rows;
+  const Index count = rows.residual.size() - rows.calibration_begin;
+  for (Index i = 0; i < count; ++i) {
+    const double weight = rows.jacobian(rows.calibration_begin + i, kVehicleCount + i);
+    const double checked =
+        1 - weight * weight * fit.covariance(kVehicleCount + i, kVehicleCount + i);
+    if (checked < kLeastShare) continue;
+    const double sigmas = std::abs(rows.residual[rows.calibration_begin + i]) / std::sqrt(checked);
+    if (sigmas > greatest.sigmas) greatest = {static_cast<std::size_t>(i), sigmas};
+  }
+  return greatest;
+}
+
 RangeDifference range_difference(const JointProblem& problem, const JointFit& fit,
                                  std::size_t index) {
   constexpr double kLeastShare = 0.01;  // of the range's variance: nearly all the fit knows is it

@@ -103,6 +103,17 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
 // Regression", 2.2).
 Eigen::Vector3d position_shift_without(const JointFit& fit, std::size_t index);
 
+// A parameter of the calibration (index of the layout), and how far all that was measured puts it
+// from its stated value, standard deviations of the difference.
+struct ParameterDifference {
+  std::size_t parameter = 0;
+  double sigmas = 0;
+};
+
+// The greatest. Chi-square of the whole spreads one wrong parameter over all rows, this test looks
+// in its direction (Baarda 1968, "A testing procedure for use in geodetic networks").
+ParameterDifference greatest_calibration_difference(const JointFit& fit);
+
 // A range as measured less what the fit predicts for it without it.
 struct RangeDifference {
   double metres = 0;

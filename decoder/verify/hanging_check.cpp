@@ -2,17 +2,23 @@
 #include "decoder/verify/hanging_check.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <set>
 #include <string>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "decoder/localize/plate_pose.hpp"
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/sighting_pick.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
@@ -34,6 +40,7 @@ void set_finding(VerifiedTag& tag, Finding finding) {
 }
 
 constexpr const char* kMixedPhotos = "mixed-photos";
+constexpr const char* kTurned = "turned";
 
 void forget_hanging(VerifiedFile& file) {
   for (const std::string& words : file.mixed) std::erase(file.findings, words);
@@ -42,7 +49,7 @@ void forget_hanging(VerifiedFile& file) {
   for (VerifiedTag& tag : file.tags) {
     const bool is_of_hanging = tag.hung && (tag.hung->verdict == HangVerdict::off ||
                                             tag.hung->verdict == HangVerdict::doubtful);
-    if (is_of_hanging) set_finding(tag, {});
+    if (is_of_hanging || tag.rule == kTurned) set_finding(tag, {});
     tag.hung.reset();
     tag.in_place_of.clear();
   }
@@ -144,7 +151,69 @@ bool is_on_head(const RigCamera& camera, const VerifiedTag& tag) {
   return (lower->normalized() - upper->normalized()).normalized().dot(down) <= -kFlat;
 }
 
-void judge_up(const Survey& survey, const HangingSetup& setup, VerifiedFile& file) {
+// How far a plate is turned clockwise, seen from its front, from where its y axis points down;
+// `down` in the axes in which the plate stands so.
+double lean(const Eigen::Matrix3d& plate, const Eigen::Vector3d& down) {
+  return std::atan2(plate.col(0).dot(down), plate.col(1).dot(down));
+}
+
+// How far a plate is turned clockwise in its plane against its surveyed place, the vehicle standing
+// on the floor there, by its picture alone, radians. Of the two places that the picture allows it
+// takes the one that fits better; from the front, where both do, they are turned alike.
+std::optional<double> turned_clockwise(const Survey& survey, const RigCamera& camera,
+                                       const VerifiedTag& tag) {
+  std::array<Eigen::Vector3d, 4> rays;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto ray = ray_through(camera.camera, {tag.corners[i].x, tag.corners[i].y});
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
+  }
+  const TagTemplate& plate = survey.tag_template;
+  const auto poses = plate_poses(rays, plate.frame_inner_length, plate.frame_inner_height);
+  if (!poses) return std::nullopt;
+  const PlacedTag& placed = *find_tag(survey, std::string_view(tag.tag));
+  const CenterlinePoint floor = survey.tunnel.centerline.at(placed.chainage);
+  const Eigen::Vector3d floor_down = Eigen::Vector3d(floor.grade * std::sin(floor.heading),
+                                                     floor.grade * std::cos(floor.heading), -1)
+                                         .normalized();
+  const double surveyed = lean(placed.world_from_plate.rotation, floor_down);
+  const auto misfit = [&](const Pose& pose) {
+    double squares = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector3d corner(i == 1 || i == 2 ? plate.frame_inner_length : 0,
+                                   i >= 2 ? plate.frame_inner_height : 0, 0);
+      squares += ((pose * corner).hnormalized() - rays[i].hnormalized()).squaredNorm();
+    }
+    return squares;
+  };
+  const Pose& likelier = std::ranges::min(*poses, {}, misfit);
+  const Eigen::Matrix3d on_vehicle = camera.vehicle_from_camera.rotation * likelier.rotation;
+  return wrapped_angle(lean(on_vehicle, -Eigen::Vector3d::UnitZ()) - surveyed);
+}
+
+// A plate that nothing else in the pictures checks, turned farther than the vehicle leans.
+std::optional<Finding> find_turned(const Survey& survey, const Rig& rig, const RigCamera& camera,
+                                   const VerifiedTag& tag) {
+  constexpr double kSurely = 4;  // standard deviations
+  const double least = radians(8);
+  if (tag.status != TagStatus::ok || (tag.hung && tag.hung->verdict != HangVerdict::unchecked)) {
+    return std::nullopt;
+  }
+  const double sigma = Eigen::Vector4d(rig.roll_sigma, rig.pitch_sigma,
+                                       camera.calibration_sigma.angle, survey.angle_sigma)
+                           .norm();
+  const auto turned = turned_clockwise(survey, camera, tag);
+  if (!turned || std::abs(*turned) < std::max(least, kSurely * sigma)) return std::nullopt;
+  return Finding{
+      TagStatus::doubtful, kTurned,
+      fmt::format("{} is turned {} by {:.0f} degrees in its plane, by the camera's mounting on the "
+                  "vehicle, or the vehicle leaned so: turn it back, or see another photo of it",
+                  tag.tag, *turned > 0 ? "clockwise" : "anticlockwise",
+                  degrees(std::abs(*turned)))};
+}
+
+void judge_up(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
+              VerifiedFile& file) {
   std::string note;
   const auto origin = usable_origin(setup, file, note);
   if (!origin || !stands_level(setup.rig)) return;
@@ -153,13 +222,18 @@ void judge_up(const Survey& survey, const HangingSetup& setup, VerifiedFile& fil
                 [](const std::string& said) { return said.find(kDoubtedUp) != std::string::npos; });
   for (VerifiedTag& tag : file.tags) {
     if (!tells(tag) || !hangs_upright(survey, tag)) continue;
-    if (is_on_head(setup.rig.cameras[origin->camera], tag)) {
+    const RigCamera& camera = setup.rig.cameras[origin->camera];
+    if (is_on_head(camera, tag)) {
       set_finding(tag,
                   {TagStatus::misprinted, "upside-down",
                    tag.tag + " is upside down, by the camera's mounting on the vehicle: it hangs "
                              "upside down, or is a mirrored print"});
-    } else if (is_doubted_by_camera(tag)) {
-      set_finding(tag, {});
+      continue;
+    }
+    if (is_doubted_by_camera(tag)) set_finding(tag, {});
+    if (hung.nothing_fits) continue;
+    if (auto turned = find_turned(survey, setup.rig, camera, tag)) {
+      set_finding(tag, std::move(*turned));
     }
   }
 }
@@ -279,7 +353,7 @@ void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTa
     judge_stranger(hung, origin, tag);
   }
   judge_station(setup, hung, origin, file);
-  judge_up(survey, setup, file);
+  judge_up(survey, setup, hung, file);
 }
 
 }  // namespace tagsmith::detail

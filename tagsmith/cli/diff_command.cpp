@@ -63,6 +63,12 @@ int diff(const DiffOptions& options) {
   const Result<Survey> after = load_survey(options.after);
   if (!after) return report_failure("diff", after.error());
   const std::vector<TagDifference> differences = compare_surveys(*before, *after);
+  const bool same = survey_revision(*before) == survey_revision(*after);
+  if (differences.empty() && !same) {
+    to_stderr(
+        "diff: the surveys differ in what no plate that hangs needs: labels, holes, standard "
+        "deviations, the tunnel's walls or the like\n");
+  }
   if (options.json) {
     print_json(differences, *after);
   } else {

@@ -8,6 +8,7 @@
 
 #include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/survey_views.hpp"
+#include "tagsmith/survey/check_together.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -61,14 +62,11 @@ void name_drive(Sketch& sketch, const Survey& survey) {
 }  // namespace
 
 Result<std::vector<Sheet>> draw_together(const std::vector<Survey>& surveys, Paper paper) {
+  if (const auto one = check_one_grid(surveys); !one) return fail(one.error().message);
   DrawingView view;
   double coarsest = std::numeric_limits<double>::infinity();
   TitleBlock block{"Drives", "Several surveys in one plan", {}};
   for (const Survey& survey : surveys) {
-    if (survey.grid.x_axis_left != surveys.front().grid.x_axis_left) {
-      return fail(survey.file.string() + ": grid.x_axis is not that of " +
-                  surveys.front().file.string() + ", expected one grid for one plan");
-    }
     add_all(view.sketch, tunnel_plan(survey, whole_as_it_lies(survey)));
     name_drive(view.sketch, survey);
     coarsest = std::min(coarsest, coarsest_plan_scale(survey));

@@ -16,12 +16,30 @@ std::string colours_of(const TagTemplate& tag) {
 }
 
 // A survey that was made in memory has no file.
+std::string name_of(const Survey& survey) {
+  return survey.file.empty() ? "survey " + survey.name : survey.file.string();
+}
+
 std::string place_of(const Survey& survey, const PlacedTag& tag) {
-  if (survey.file.empty()) return "survey " + survey.name;
-  return survey.file.string() + ":" + std::to_string(tag.line);
+  return name_of(survey) + (survey.file.empty() ? "" : ":" + std::to_string(tag.line));
 }
 
 }  // namespace
+
+Result<void> check_one_grid(const std::vector<Survey>& surveys) {
+  for (const Survey& survey : surveys) {
+    const Survey& front = surveys.front();
+    const char* key =
+        survey.grid.x_axis_left != front.grid.x_axis_left ? "grid.x_axis"
+        : survey.grid.epsg != 0 && front.grid.epsg != 0 && survey.grid.epsg != front.grid.epsg
+            ? "grid.crs"
+            : nullptr;
+    if (key == nullptr) continue;
+    return fail(name_of(survey) + ": " + key + " is not that of " + name_of(front) +
+                ", expected one grid for all surveys");
+  }
+  return {};
+}
 
 std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
   struct Owner {
@@ -36,8 +54,7 @@ std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
     const auto [named, new_name] = by_name.emplace(survey.name, &survey);
     if (!new_name) {
       log.error({}, "duplicate-survey",
-                "the survey is named " + survey.name + ", and so is " +
-                    (named->second->file.empty() ? "another" : named->second->file.string()),
+                "the survey is named " + survey.name + ", and so is " + name_of(*named->second),
                 "give each survey a name of its own");
     }
     const Survey& front = surveys.front();

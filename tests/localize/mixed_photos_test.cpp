@@ -196,6 +196,35 @@ TEST_CASE("exchanged photos of two cameras are told, and locate nothing") {
   }
 }
 
+TEST_CASE("a camera that stands elsewhere than the rig says gives no position in a single row") {
+  Site site = site_named("corridor");
+  for (RigCamera& camera : site.rig.cameras) {
+    camera.calibration_sigma = {0.005, radians(0.5), 0.002, 2};
+  }
+  for (PlacedTag& tag : site.survey.tags) tag.sigma = 0.003;
+  site.survey.angle_sigma = radians(0.3);
+  const Site stated = site;
+  int located = 0;
+  int told = 0;
+  for (const double forward : {0.0, 0.04}) {
+    site.rig.cameras[0].vehicle_from_camera.translation.x() += forward;
+    for (const double chainage : {2.0, 2.5}) {
+      const Fix fix = localize_jointly(observation_at(site, pose_at(site, chainage, 0.1)),
+                                       {stated.survey}, stated.rig);
+      if (fix.position_in_grid) {
+        CHECK(forward == 0);
+        ++located;
+      } else {
+        const bool names = fix.reason.find(" of camera ") != std::string::npos;
+        CHECK_MESSAGE(names, fix.reason);
+        told += names ? 1 : 0;
+      }
+    }
+  }
+  CHECK(located == 2);
+  CHECK(told == 2);
+}
+
 TEST_CASE("a camera that looks elsewhere is not taken for another one") {
   Site site = site_named("corridor");
   std::vector<Observation> rows;

@@ -602,4 +602,36 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
   CHECK(judged(on_head).tags[0].status == TagStatus::ok);
 }
 
+TEST_CASE("a plate that hangs by one screw, alone in its photo, is told by the rig's mounting") {
+  for (const std::string name : {"001L", "001R"}) {
+    for (const double by : {0.0, 6.0, 15.0, -15.0, 45.0, -90.0}) {
+      CAPTURE(name);
+      CAPTURE(by);
+      Corridor corridor;
+      Pose& pose = corridor.at(name);
+      const Vector3d middle(0.19, 0.1, 0);
+      const Eigen::Matrix3d turn = turned(radians(by), Vector3d::UnitZ());
+      pose.translation += pose.rotation * (middle - turn * middle);
+      pose.rotation *= turn;
+      std::vector<SightedTag> seen = corridor.seen();
+      std::erase_if(seen, [&](const SightedTag& tag) { return tag.tag != name; });
+      REQUIRE(!seen.empty());
+      VerifiedFile photo = photo_of(name, corridor.survey);
+      photo.file = "1_" + corridor.rig.cameras[seen[0].camera].name + ".jpg";
+      for (std::size_t c = 0; c < 4; ++c) {
+        photo.tags[0].corners[c] = seen[0].seen.corners[c];
+      }
+      const HangingSetup setup{corridor.rig, PhotoCameras::by_names(corridor.rig)};
+      HungTags hung;
+      hung.revision = survey_revision(corridor.survey);
+      judge_hanging(corridor.survey, setup, hung, photo);
+      CHECK(photo.tags[0].rule == (std::abs(by) > 10 ? "turned" : ""));
+      const std::string way = by > 10 ? " clockwise by" : by < -10 ? " anticlockwise by" : "";
+      CHECK(photo.tags[0].message.find(way) != std::string::npos);
+      judge_hanging(corridor.survey, setup, hung, photo);
+      CHECK(photo.tags[0].rule == (std::abs(by) > 10 ? "turned" : ""));
+    }
+  }
+}
+
 }  // namespace tagsmith::detail
