@@ -36,14 +36,18 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestLine = 1 << 20;
 
-std::string id_text(const Json& id) {
+// Nothing for lists and objects, which may be nested without end.
+std::optional<std::string> id_text(const Json& id) {
+  if (id.is_structured()) return std::nullopt;
   return id.is_string() ? id.get<std::string>() : json_text(id);
 }
 
 Result<void> take(Measurement& measurement, const Rig& rig, const std::string& key,
                   const Json& value) {
   if (key == "id") {
-    measurement.id = id_text(value);
+    const auto id = id_text(value);
+    if (!id) return fail("id is no text or number");
+    measurement.id = *id;
     return {};
   }
   if (value.is_null()) return {};
@@ -192,10 +196,11 @@ Fix locate(const Measurement& measurement, const FollowInput& input, RunSoFar& r
 }
 
 std::string error_line(const Json& object, int number, const std::string& message) {
-  const Json line{
-      {"id", object.is_object() && object.contains("id") ? Json(id_text(object["id"])) : Json()},
-      {"status", "error"},
-      {"reason", fmt::format("line {}: {}", number, message)}};
+  const auto id =
+      object.is_object() && object.contains("id") ? id_text(object["id"]) : std::nullopt;
+  const Json line{{"id", id ? Json(*id) : Json()},
+                  {"status", "error"},
+                  {"reason", fmt::format("line {}: {}", number, message)}};
   return json_text(line);
 }
 

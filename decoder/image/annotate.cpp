@@ -176,7 +176,7 @@ cv::Mat decode_colour(const Codecs& by, const std::string& bytes) {
   }
   const Result<std::string> png = is_png(bytes) ? png_of_pixels(bytes) : Result<std::string>("");
   if (!png) return {};
-  const std::string& rest = png->empty() ? bytes : *png;
+  const std::string rest = without_orientation(png->empty() ? bytes : *png);
   const cv::Mat encoded(1, static_cast<int>(rest.size()), CV_8U, const_cast<char*>(rest.data()));
   return by.decode(encoded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
 }

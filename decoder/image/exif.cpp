@@ -80,9 +80,14 @@ class Tiff {
   Bytes bytes_;
 };
 
-// The TIFF structure in a JPEG's first APP1 segment with EXIF, which stands before the frame,
-// behind other APP segments at most.
-std::string_view exif_of_jpeg(std::string_view bytes) {
+bool is_tiff(std::string_view bytes) {
+  return bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv);
+}
+
+// The TIFF structure of a TIFF, which is the file, or that in a JPEG's first APP1 segment with
+// EXIF, which stands before the frame, behind other APP segments at most.
+std::string_view exif_of(std::string_view bytes) {
+  if (is_tiff(bytes)) return bytes;
   if (!bytes.starts_with("\xFF\xD8\xFF"sv)) return {};
   for (std::size_t at = 2; at + 4 < bytes.size() && bytes[at] == '\xFF';) {
     const auto marker = static_cast<unsigned char>(bytes[at + 1]);
@@ -99,11 +104,22 @@ std::string_view exif_of_jpeg(std::string_view bytes) {
 }  // namespace
 
 std::optional<int> exif_orientation(std::string_view bytes) {
-  Tiff tiff(exif_of_jpeg(bytes));
+  Tiff tiff(exif_of(bytes));
   const auto entry = tiff.entry(tiff.first_directory(), kOrientation);
   if (!entry) return std::nullopt;
   const std::uint32_t value = tiff.short_at(*entry);
   return value >= 1 && value <= 8 ? std::optional(static_cast<int>(value)) : std::nullopt;
+}
+
+std::string without_orientation(std::string tiff) {
+  Tiff structure(tiff);
+  const auto entry = structure.entry(structure.first_directory(), kOrientation);
+  // The first two of the value's four bytes are a number of two bytes, in the file's order.
+  if (is_tiff(tiff) && entry && *entry + 10 <= tiff.size()) {
+    tiff[*entry + 8] = tiff.front() == 'M' ? 0 : 1;
+    tiff[*entry + 9] = tiff.front() == 'M' ? 1 : 0;
+  }
+  return tiff;
 }
 
 std::optional<int> shown_orientation(std::string_view bytes) {
@@ -112,7 +128,7 @@ std::optional<int> shown_orientation(std::string_view bytes) {
 
 std::optional<PhotoLens> photo_lens(std::string_view bytes) {
   const std::string of_heif = is_heif(bytes) ? heif_exif(bytes) : "";
-  Tiff tiff(of_heif.empty() ? exif_of_jpeg(bytes) : of_heif);
+  Tiff tiff(of_heif.empty() ? exif_of(bytes) : of_heif);
   const std::size_t first = tiff.first_directory();
   const auto model = tiff.entry(first, kModel);
   const auto more = tiff.entry(first, kExifDirectory);
@@ -132,7 +148,7 @@ std::optional<PhotoLens> photo_lens(std::string_view bytes) {
 
 std::optional<std::string> photo_moment(std::string_view bytes) {
   const std::string of_heif = is_heif(bytes) ? heif_exif(bytes) : "";
-  Tiff tiff(of_heif.empty() ? exif_of_jpeg(bytes) : of_heif);
+  Tiff tiff(of_heif.empty() ? exif_of(bytes) : of_heif);
   const auto more = tiff.entry(tiff.first_directory(), kExifDirectory);
   if (!more) return std::nullopt;
   const std::size_t directory = tiff.offset_at(*more);

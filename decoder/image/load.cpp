@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "decoder/image/codecs.hpp"
+#include "decoder/image/exif.hpp"
 #include "decoder/image/heif.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/png_chunks.hpp"
@@ -104,7 +105,7 @@ Result<DecodedImage> decode(const std::string& bytes) {
     if (!png) return fail(png.error().message);
     return DecodedImage{std::move(*png), ""};
   }
-  Result<GrayImage> image = decode_by_opencv(bytes);
+  Result<GrayImage> image = decode_by_opencv(without_orientation(bytes));
   if (!image) return fail(image.error().message);
   return DecodedImage{std::move(*image), ""};
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -13,6 +14,7 @@
 #include <opencv2/imgproc.hpp>
 #include <sys/resource.h>
 
+#include "decoder/image/exif.hpp"
 #include "decoder/image/png_chunks.hpp"
 #include "decoder/image/shrink.hpp"
 #include "tagsmith/base/file.hpp"
@@ -39,6 +41,45 @@ long peak_megabytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_maxrss / 1024;
+}
+
+// Three by two grey levels without compression, to be shown as the orientation says.
+std::string tiff_turned(std::uint8_t orientation, bool greatest_first) {
+  std::string bytes = greatest_first ? std::string("MM\0*", 4) : std::string("II*\0", 4);
+  const auto put = [&](std::uint32_t value, int size) {
+    for (int i = 0; i < size; ++i) {
+      bytes += static_cast<char>(value >> (8 * (greatest_first ? size - 1 - i : i)));
+    }
+  };
+  const std::pair<std::uint16_t, std::uint16_t> entries[] = {
+      {256, 3},   {257, 2},           {258, 8}, {259, 1}, {262, 1},
+      {273, 134}, {274, orientation}, {277, 1}, {278, 2}, {279, 6}};
+  put(8, 4);
+  put(10, 2);
+  for (const auto& [tag, value] : entries) {
+    put(tag, 2);
+    put(3, 2);
+    put(1, 4);
+    put(value, 2);
+    put(0, 2);
+  }
+  put(0, 4);
+
+  return bytes + std::string("\x0A\x14\x1E\x28\x32\x3C");
+}
+
+TEST_CASE("A TIFF's pixels are taken as they are stored, whatever its orientation") {
+  for (std::uint8_t orientation = 1; orientation <= 8; ++orientation) {
+    for (const bool greatest_first : {false, true}) {
+      CAPTURE(int{orientation});
+      const std::string tiff = tiff_turned(orientation, greatest_first);
+      CHECK(exif_orientation(tiff) == orientation);
+      const auto image = decode_gray_image("a.tiff", tiff);
+      REQUIRE_MESSAGE(image.has_value(), image.error().message);
+      CHECK(image->width == 3);
+      CHECK(image->samples == std::vector<std::uint8_t>{10, 20, 30, 40, 50, 60});
+    }
+  }
 }
 
 TEST_CASE("Lossless formats come back as they were") {

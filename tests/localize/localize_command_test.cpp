@@ -397,12 +397,13 @@ TEST_CASE("live measurements are answered a line each") {
   const std::string input = file_with(
       folder.path() / "input",
       "{\"id\": \"a\", \"left\": \"surveys/corridor/photos/corridor_01_left.jpg\", \"d\": 0.9}\n"
-      "nonsense\n{\"id\": \"c\", \"lefd\": \"x.jpg\"}\n{\"id\": 4}");
+      "nonsense\n{\"id\": \"c\", \"lefd\": \"x.jpg\"}\n{\"id\": 4}\n{\"id\": " +
+          std::string(100'000, '[') + std::string(100'000, ']') + "}");
   const ProgramOutput output = run_tagsmith(
       "localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --follow < " + input);
   CHECK(output.exit_code == 1);
   const std::vector<json> lines = json_lines(output.out);
-  REQUIRE(lines.size() == 4);
+  REQUIRE(lines.size() == 5);
   CHECK(lines[0].at("status") == "ok");
   CHECK(lines[0].at("id") == "a");
   CHECK(lines[1].at("status") == "error");
@@ -410,6 +411,8 @@ TEST_CASE("live measurements are answered a line each") {
   CHECK(lines[2].at("id") == "c");
   CHECK(lines[2].at("reason").get<std::string>().find("line 3: `lefd`") == 0);
   CHECK(lines[3].at("reason") == "no tag was seen");
+  CHECK(lines[4].at("status") == "error");
+  CHECK(lines[4].at("id").is_null());
 }
 
 TEST_CASE("the help has an example") {
