@@ -109,7 +109,8 @@ class TAGSMITH_EXPORT Localizer {
   // looked for where the motion so far lets expect them, which is faster, and a position that
   // contradicts the motion is doubted, and so are all where the last ones show together that they
   // are not to be relied on: they have a note that says why and no confirmations. Measurements come
-  // in the order of their times; without a time one is located by itself. One thread at a time.
+  // in the order of their times; without a time one is located by itself. Unlike the command it
+  // sets no tag aside for the whole drive that others contradicted once. One thread at a time.
   Fix track(const Measurement& measurement);
 
   // Forgets the motion: the vehicle was moved.
