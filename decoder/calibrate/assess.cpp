@@ -9,8 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/chi_square.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {

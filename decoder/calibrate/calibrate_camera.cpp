@@ -10,8 +10,7 @@
 #include <fmt/format.h>
 
 #include "decoder/calibrate/start_calibration.hpp"
-#include "tagsmith/base/chi_square.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "decoder/localize/plate_search.hpp"
-#include "tagsmith/base/chi_square.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"

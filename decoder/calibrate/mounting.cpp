@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "decoder/calibrate/drive_fit.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 

@@ -14,8 +14,7 @@
 
 #include "decoder/calibrate/drive_fit.hpp"
 #include "decoder/localize/attitude_scatter.hpp"
-#include "tagsmith/base/chi_square.hpp"
-#include "tagsmith/base/evenly.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {

@@ -12,7 +12,7 @@
 
 #include "decoder/calibrate/distortion_curve.hpp"
 #include "decoder/calibrate/ray_sigma.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/text.hpp"

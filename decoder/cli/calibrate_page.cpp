@@ -6,8 +6,7 @@
 #include <fmt/format.h>
 
 #include "decoder/cli/calibrate_drawing.hpp"
-#include "tagsmith/base/base64.hpp"
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/picture_sheet.hpp"

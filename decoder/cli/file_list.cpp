@@ -8,8 +8,7 @@
 #include <optional>
 
 #include "decoder/image/heif.hpp"
-#include "tagsmith/base/read_line.hpp"
-#include "tagsmith/base/stream.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {

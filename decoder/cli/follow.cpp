@@ -23,7 +23,7 @@
 #include "decoder/localize/repeated_pictures.hpp"
 #include "decoder/localize/travel.hpp"
 #include "decoder/verify/set_aside.hpp"
-#include "tagsmith/base/read_line.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/console.hpp"

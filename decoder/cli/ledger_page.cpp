@@ -9,7 +9,7 @@
 
 #include "decoder/cli/report_ledger.hpp"
 #include "tagsmith/base/date.hpp"
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/survey/revision.hpp"
 

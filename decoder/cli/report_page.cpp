@@ -8,8 +8,6 @@
 
 #include "decoder/cli/report_files.hpp"
 #include "decoder/verify/verify_rules.hpp"
-#include "tagsmith/base/base64.hpp"
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"

@@ -13,9 +13,7 @@
 #include "decoder/feature_frame/shown_part.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
-#include "tagsmith/base/correlation.hpp"
-#include "tagsmith/base/normal.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {

@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "decoder/feature_frame/tuning.hpp"
-#include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {

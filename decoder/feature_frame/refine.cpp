@@ -12,7 +12,7 @@
 
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
-#include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -16,7 +16,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
-#include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
 

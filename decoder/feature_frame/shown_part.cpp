@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "decoder/feature_frame/tuning.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 namespace {

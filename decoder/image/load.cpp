@@ -16,7 +16,6 @@
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/png_chunks.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/regular_file.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {

@@ -10,7 +10,7 @@
 
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/date.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 namespace {

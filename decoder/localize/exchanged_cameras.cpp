@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 
 #include "decoder/localize/joint_method.hpp"
-#include "tagsmith/base/evenly.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -17,7 +17,7 @@
 #include "decoder/localize/pose_search.hpp"
 #include "decoder/localize/settled_fit.hpp"
 #include "decoder/localize/unchecked.hpp"
-#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {

@@ -12,7 +12,7 @@
 #include "decoder/localize/observation.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
-#include "tagsmith/base/evenly.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "decoder/localize/joint_model.hpp"
 #include "decoder/localize/plate_start.hpp"
-#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
-#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 

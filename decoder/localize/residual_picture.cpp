@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace {

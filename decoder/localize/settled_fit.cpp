@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 

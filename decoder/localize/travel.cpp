@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 

@@ -10,8 +10,7 @@
 #include <Eigen/Core>
 
 #include "decoder/reader/tuning.hpp"
-#include "tagsmith/base/normal.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

@@ -7,7 +7,7 @@
 
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

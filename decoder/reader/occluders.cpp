@@ -12,7 +12,7 @@
 
 #include "decoder/image/bilinear.hpp"
 #include "decoder/reader/tuning.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

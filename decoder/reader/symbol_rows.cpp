@@ -8,7 +8,7 @@
 
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 

@@ -13,7 +13,7 @@
 #include "decoder/image/morphology.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

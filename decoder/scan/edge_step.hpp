@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
 

@@ -8,7 +8,7 @@
 #include "decoder/scan/place_rows.hpp"
 #include "decoder/scan/running.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

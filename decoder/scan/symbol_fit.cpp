@@ -10,7 +10,7 @@
 
 #include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/base/correlation.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {

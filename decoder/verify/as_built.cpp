@@ -14,7 +14,7 @@
 #include "decoder/calibrate/drive_fit.hpp"
 #include "decoder/localize/plate_adjustment.hpp"
 #include "decoder/localize/plate_search.hpp"
-#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 

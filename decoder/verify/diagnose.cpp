@@ -16,7 +16,7 @@
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 

@@ -2,7 +2,7 @@
 #include "decoder/verify/input_file.hpp"
 
 #include "tagsmith/base/checksum.hpp"
-#include "tagsmith/base/regular_file.hpp"
+#include "tagsmith/base/file.hpp"
 
 namespace tagsmith::detail {
 

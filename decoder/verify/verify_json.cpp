@@ -15,7 +15,7 @@
 
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/date.hpp"
-#include "tagsmith/base/read_line.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <istream>
 #include <system_error>
 #include <unistd.h>
 #include <vector>
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tagsmith/base/stream.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
@@ -129,6 +129,63 @@ bool is_write_protected(const std::filesystem::path& file) {
   const perms writable = perms::owner_write | perms::group_write | perms::others_write;
   return std::filesystem::is_regular_file(status) &&
          (status.permissions() & writable) == perms::none;
+}
+
+Result<std::string> read_regular_file(const fs::path& path, std::uintmax_t max_bytes) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (is_special(status)) {
+    return fail(path.string() + ": is a " + file_type(status) + ", expected a regular file");
+  }
+  return read_file(path, max_bytes);
+}
+
+std::optional<std::string> read_line(std::istream& stream, std::size_t most) {
+  constexpr int kEnd = std::istream::traits_type::eof();
+  int next = stream.get();
+  if (next == kEnd) return std::nullopt;
+  std::string line;
+  for (; next != kEnd && next != '\n'; next = stream.get()) {
+    line += static_cast<char>(next);
+    if (line.size() > most) break;
+  }
+  return line;
+}
+
+// ---- What stands where a file is expected.
+
+namespace {
+
+bool is_in_proc(const fs::path& path) { return path.string().starts_with("/proc/"); }
+
+}  // namespace
+
+bool is_special(const fs::file_status& status) {
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+std::string file_type(const fs::file_status& status) {
+  if (fs::is_fifo(status)) return "pipe";
+  if (fs::is_socket(status)) return "socket";
+  if (fs::is_directory(status)) return "folder";
+  return is_special(status) ? "device" : "file";
+}
+
+fs::path behind_links(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  fs::path target = path;
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && !is_in_proc(target) && fs::is_symlink(target, error); ++i) {
+    target = target.parent_path() / fs::read_symlink(target, error);
+  }
+  return target;
+}
+
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path target = behind_links(path);
+  return is_special(fs::status(target, ignored)) ||
+         (is_in_proc(target) && fs::is_regular_file(target, ignored));
 }
 
 }  // namespace tagsmith::detail

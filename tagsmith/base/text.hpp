@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small text helpers that several modules share.
+// Small text helpers that several modules share: reading, writing and comparing text, and making
+// harmless what comes from outside.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,5 +47,39 @@ std::string mm_text(double metres, int decimals = 3);
 // pen (a third of the word's length, at least 1).
 std::optional<std::string> nearest_word(std::string_view word,
                                         std::span<const std::string> candidates);
+
+// ---- Text from outside (file names, names in files, messages of libraries) made harmless for
+// where it is shown: the terminal, a page. Spreadsheets: csv.hpp.
+
+// Length of the UTF-8 sequence at the front of the text, 0 when it is none (RFC 3629, section 4).
+std::size_t utf8_length(std::string_view text);
+
+// True for UTF-8 without control characters: C0, DEL, C1, the line and paragraph separators, and
+// those that change the direction of writing (embeddings, overrides and isolates), which can make
+// a text look like another.
+bool is_plain_text(std::string_view text);
+
+// True for plain text that may name files and columns of tables too: begins with a letter or digit
+// and has no / \\ , : or ".
+bool is_plain_name(std::string_view text);
+
+// The text on one line, control characters as \xNN up to DEL and as \uNNNN beyond, bytes that are
+// no UTF-8 as \xNN. A JSON text stays valid: it has control characters beyond C0 in strings only.
+std::string terminal_text(std::string_view text);
+
+// As terminal_text, for text of several lines that the program made: line feeds stay.
+std::string terminal_lines(std::string_view text);
+
+// For the pages of PDF, SVG and HTML files: control characters become spaces, bytes that are no
+// UTF-8 U+FFFD; at most 500 characters.
+std::string printable_text(std::string_view text);
+
+// printable_text for elements and quoted attributes of SVG and HTML: < > & " ' as entities.
+std::string markup_text(std::string_view text);
+
+// ---- Bytes.
+
+// Bytes as text for data URIs (RFC 4648, section 4).
+std::string base64(std::string_view bytes);
 
 }  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"

@@ -8,7 +8,6 @@
 #include <sys/stat.h>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/stream.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 
 namespace tagsmith::detail {

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"

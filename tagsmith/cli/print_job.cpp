@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/render/logo.hpp"

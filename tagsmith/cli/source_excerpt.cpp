@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace {

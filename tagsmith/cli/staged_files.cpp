@@ -17,7 +17,6 @@
 #include <sys/file.h>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/stream.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;

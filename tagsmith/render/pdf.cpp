@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/print_settings.hpp"
 #include "tagsmith/render/sheet_on_cairo.hpp"

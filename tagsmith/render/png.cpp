@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/sheet_on_cairo.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 

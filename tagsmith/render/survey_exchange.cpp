@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/clothoid.hpp"
 

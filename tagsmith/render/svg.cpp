@@ -5,8 +5,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "tagsmith/base/base64.hpp"
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/text.hpp"

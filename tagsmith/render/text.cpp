@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <pango/pangocairo.h>
 
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/drawing.hpp"
 

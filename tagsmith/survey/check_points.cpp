@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/neighbour_heights.hpp"

@@ -13,7 +13,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/clothoid.hpp"

@@ -10,7 +10,6 @@
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"

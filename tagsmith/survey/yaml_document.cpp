@@ -13,7 +13,7 @@
 #include <yaml-cpp/mark.h>
 #include <yaml-cpp/parser.h>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace {

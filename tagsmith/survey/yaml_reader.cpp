@@ -6,7 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tests/support/as_built_drive.hpp"
 
 namespace tagsmith::detail::test {

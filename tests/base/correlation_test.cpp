@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/base/correlation.hpp"
-
 #include <random>
 #include <vector>
 
 #include <doctest/doctest.h>
+
+#include "tagsmith/base/statistics.hpp"
 
 using namespace tagsmith::detail;
 

@@ -7,7 +7,6 @@
 
 #include <doctest/doctest.h>
 
-#include "tagsmith/base/regular_file.hpp"
 #include "tests/support/contents.hpp"
 #include "tests/support/program.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/base/printable.hpp"
-
 #include <string>
 
 #include <doctest/doctest.h>
+
+#include "tagsmith/base/text.hpp"
 
 using namespace tagsmith::detail;
 

@@ -8,8 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tagsmith/base/base64.hpp"
-#include "tagsmith/base/read_line.hpp"
+#include "tagsmith/base/file.hpp"
 
 using namespace tagsmith::detail;
 

@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 #include <sys/resource.h>
 
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tests/support/as_built_drive.hpp"
 
 namespace tagsmith::detail::test {

@@ -13,7 +13,7 @@
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/light.hpp"
-#include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail::mass {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail::bench {
 

@@ -15,7 +15,7 @@
 #include <fmt/core.h>
 
 #include "decoder/calibrate/rig_suspicion.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/calibrate/seen_drive.hpp"
 

@@ -28,7 +28,7 @@
 #include "decoder/localize/observation.hpp"
 #include "decoder/verify/hung_tags.hpp"
 #include "decoder/verify/lens_cameras.hpp"
-#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/wide_corridor.hpp"
 

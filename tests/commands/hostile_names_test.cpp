@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/load.hpp"
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;

@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
 
 using namespace tagsmith::detail;
 using doctest::Approx;
