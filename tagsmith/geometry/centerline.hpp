@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tunnel's center line on the floor: straight lines and circular arcs, with grades.
+// The tunnel's center line on the floor: straight lines, circular arcs and clothoids, with grades.
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,7 +16,7 @@ struct CenterlineElement {
   double length = 0;     // metres, > 0
   double curvature = 0;  // 1/radius, positive when the drive turns right, 0 for a line
   double grade = 0;      // rise per horizontal metre
-  int clothoid = 0;      // number of the clothoid that it is a part of (clothoid.hpp); 0 = of none
+  int clothoid = 0;      // number of the clothoid that it is a part of (clothoid_of); 0 = of none
 };
 
 // A place on the center line.
@@ -82,5 +84,27 @@ Eigen::Vector3d direction_of(double heading);
 
 // Unit vector to the right of the drive, horizontal, for a heading.
 Eigen::Vector3d right_of(double heading);
+
+// ---- Clothoids, whose curvature grows in proportion to the length: transitions of roads and
+// railways.
+
+// Level arcs that follow a clothoid of this length (metres) from one curvature to another
+// (1/metres, positive to the right) within a twentieth of a millimetre; they end where it ends,
+// with its heading. `number`: of the clothoid in its line, from 1 (CenterlineElement::clothoid).
+std::vector<CenterlineElement> arcs_of_clothoid(double length, double from, double to, int number);
+
+// A clothoid of this length (metres) from one curvature to another.
+struct Clothoid {
+  double length = 0;
+  double from = 0;
+  double to = 0;
+};
+
+// The clothoid that these are all arcs of, as arcs_of_clothoid made them; nothing for other
+// elements and where arcs are cut or missing.
+std::optional<Clothoid> clothoid_of(std::span<const CenterlineElement> arcs);
+
+// The first element, or all arcs of the clothoid that it begins.
+std::span<const CenterlineElement> leading_part(std::span<const CenterlineElement> elements);
 
 }  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/geometry/clothoid.hpp"
+#include "tagsmith/geometry/centerline.hpp"
 
 namespace tagsmith::detail {
 namespace {

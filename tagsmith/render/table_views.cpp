@@ -10,7 +10,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/geometry/clothoid.hpp"
+#include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
 #include "tagsmith/survey/assumptions.hpp"

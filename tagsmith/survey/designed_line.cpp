@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/designed_line.hpp"
 
-#include "tagsmith/geometry/clothoid.hpp"
+#include "tagsmith/geometry/centerline.hpp"
 
 namespace tagsmith::detail {
 

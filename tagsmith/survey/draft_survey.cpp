@@ -15,7 +15,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/geometry/clothoid.hpp"
+#include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {

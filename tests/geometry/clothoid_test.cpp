@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/geometry/clothoid.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
+
+#include "tagsmith/geometry/centerline.hpp"
 
 namespace tagsmith::detail {
 namespace {
