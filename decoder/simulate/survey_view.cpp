@@ -11,7 +11,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
-#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_surfaces.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "decoder/simulate/noise.hpp"
-#include "tagsmith/placement/floor_and_roof.hpp"
-#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_surfaces.hpp"
 
 namespace tagsmith::detail {
 namespace {

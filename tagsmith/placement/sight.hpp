@@ -10,9 +10,8 @@
 #include <Eigen/Core>
 
 #include "tagsmith/geometry/pose.hpp"
-#include "tagsmith/placement/floor_and_roof.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
-#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_surfaces.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 

@@ -13,7 +13,7 @@
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
-#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_surfaces.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/placement/floor_and_roof.hpp"
-
 #include <algorithm>
 
 #include <doctest/doctest.h>
@@ -8,6 +6,7 @@
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/sight.hpp"
+#include "tagsmith/placement/tunnel_surfaces.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/placement/corridors.hpp"
 

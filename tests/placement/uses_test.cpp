@@ -13,7 +13,7 @@
 #include "tagsmith/placement/layout.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 #include "tagsmith/placement/sight.hpp"
-#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_surfaces.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/placement/corridors.hpp"
 

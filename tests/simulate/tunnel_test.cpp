@@ -9,7 +9,7 @@
 #include "decoder/simulate/survey_view.hpp"
 #include "decoder/simulate/tunnel_backdrop.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_surfaces.hpp"
 
 namespace tagsmith::detail {
 namespace {
