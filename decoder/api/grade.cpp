@@ -3,7 +3,7 @@
 
 #include "decoder/api/data.hpp"
 #include "decoder/grade/symbol_grade.hpp"
-#include "decoder/image/negative.hpp"
+#include "decoder/image/transform.hpp"
 
 namespace tagsmith {
 namespace {

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "decoder/image/bilinear.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/text.hpp"

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "decoder/image/half_size.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/input_file.hpp"
 #include "tagsmith/base/csv.hpp"

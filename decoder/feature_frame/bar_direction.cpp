@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "decoder/image/bilinear.hpp"
-
 namespace tagsmith::detail {
 namespace {
 

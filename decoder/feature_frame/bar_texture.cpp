@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "tagsmith/base/wide.hpp"
 

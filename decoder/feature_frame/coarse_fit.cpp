@@ -2,17 +2,13 @@
 #include "decoder/feature_frame/coarse_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
-#include "decoder/image/bilinear.hpp"
 
 namespace tagsmith::detail {
 namespace {

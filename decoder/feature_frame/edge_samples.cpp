@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/feature_frame/edge_samples.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
-#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/statistics.hpp"
 

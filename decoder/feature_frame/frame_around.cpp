@@ -7,9 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
-#include "decoder/image/bilinear.hpp"
 #include "decoder/image/line_levels.hpp"
 
 namespace tagsmith::detail {

@@ -8,7 +8,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/side_line.hpp"
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 #include "tagsmith/geometry/camera.hpp"
 
 namespace tagsmith::detail {

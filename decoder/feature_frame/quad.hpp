@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
 

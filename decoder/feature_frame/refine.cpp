@@ -2,7 +2,6 @@
 #include "decoder/feature_frame/refine.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>

@@ -4,13 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <utility>
-
-#include "decoder/feature_frame/tile_threshold.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -9,7 +9,6 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/image/pixel.hpp"
 
 namespace tagsmith::detail {
 

@@ -8,7 +8,7 @@
 
 #include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
 

@@ -2,7 +2,6 @@
 #include "decoder/feature_frame/tile_threshold.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -17,7 +17,7 @@
 #include "decoder/image/jpeg.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/png_chunks.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 
 namespace tagsmith::detail {
 namespace {

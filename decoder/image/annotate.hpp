@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
 
 namespace tagsmith::detail {

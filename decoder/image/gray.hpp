@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey images as plain memory, so that the reader can be called without OpenCV.
+// Grey images as plain memory, so that the reader can be called without OpenCV; positions in them
+// and the grey levels there.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace tagsmith::detail {
+
+// ---- Images.
 
 // A view of 8-bit grey samples, row by row; does not own them. Pixel (0, 0) is the upper left one.
 struct GrayView {
@@ -29,5 +35,58 @@ struct GrayImage {
 
   GrayView view() const { return {samples.data(), width, height, width, is_negative}; }
 };
+
+// ---- Pixel positions and the small vector arithmetic they need.
+
+// A pixel position or a difference of two; (0, 0) is the centre of the upper left pixel.
+struct PixelPoint {
+  double x = 0;
+  double y = 0;
+};
+
+inline PixelPoint operator+(PixelPoint a, PixelPoint b) { return {a.x + b.x, a.y + b.y}; }
+inline PixelPoint operator-(PixelPoint a, PixelPoint b) { return {a.x - b.x, a.y - b.y}; }
+inline PixelPoint operator*(double scale, PixelPoint a) { return {scale * a.x, scale * a.y}; }
+inline double dot(PixelPoint a, PixelPoint b) { return a.x * b.x + a.y * b.y; }
+inline double cross(PixelPoint a, PixelPoint b) { return a.x * b.y - a.y * b.x; }
+// Pixels are far from where squares overflow, so this needs no std::hypot, which is ten times as
+// slow.
+inline double length(PixelPoint a) { return std::sqrt(dot(a, a)); }
+inline double distance(PixelPoint a, PixelPoint b) { return length(b - a); }
+
+// ---- Grey levels at a position.
+
+// Whether a place has pixels on all sides.
+inline bool is_inside(const GrayView& image, PixelPoint at) {
+  return at.x >= 0 && at.y >= 0 && at.x <= image.width - 1.001 && at.y <= image.height - 1.001;
+}
+
+// The grey level between pixels at a place inside the image.
+inline double interpolate(const GrayView& image, PixelPoint at) {
+  const int x0 = static_cast<int>(at.x);
+  const int y0 = static_cast<int>(at.y);
+  const double fx = at.x - x0;
+  const double fy = at.y - y0;
+  const std::uint8_t* upper = image.row(y0) + x0;
+  const std::uint8_t* lower = upper + image.stride;
+  const double above = upper[0] + fx * (upper[1] - upper[0]);
+  const double below = lower[0] + fx * (lower[1] - lower[0]);
+  return above + fy * (below - above);
+}
+
+// The grey level between pixels; beyond the image that of its border. A coordinate that is no
+// number counts as 0.
+inline double sample_bilinear(const GrayView& image, PixelPoint at) {
+  return interpolate(image, {at.x > 0 ? std::min(at.x, image.width - 1.001) : 0.0,
+                             at.y > 0 ? std::min(at.y, image.height - 1.001) : 0.0});
+}
+
+// The grey level of the nearest pixel; nothing beyond the centres of the outermost ones, and for a
+// place that is no number.
+inline std::optional<std::uint8_t> sample_nearest(const GrayView& image, PixelPoint at) {
+  const bool inside = at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
+  if (!inside) return std::nullopt;
+  return image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
+}
 
 }  // namespace tagsmith::detail

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "decoder/image/bilinear.hpp"
 #include "tagsmith/base/wide.hpp"
 
 namespace tagsmith::detail {

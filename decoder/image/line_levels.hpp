@@ -5,7 +5,6 @@
 #include <span>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/image/pixel.hpp"
 
 namespace tagsmith::detail {
 

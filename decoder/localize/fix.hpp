@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"

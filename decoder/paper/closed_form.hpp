@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <tl/expected.hpp>
 
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
 

@@ -13,7 +13,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "decoder/image/negative.hpp"
+#include "decoder/image/transform.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

@@ -2,13 +2,10 @@
 #include "decoder/reader/bar_ends.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <vector>
 
 #include "decoder/feature_frame/tuning.hpp"
-#include "decoder/image/bilinear.hpp"
 #include "decoder/image/line_levels.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"

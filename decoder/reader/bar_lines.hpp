@@ -3,7 +3,7 @@
 #pragma once
 
 #include "decoder/feature_frame/bar_regions.hpp"
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 

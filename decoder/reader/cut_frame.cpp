@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

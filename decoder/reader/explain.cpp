@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"

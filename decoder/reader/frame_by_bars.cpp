@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <utility>
 
 #include "decoder/feature_frame/bar_regions.hpp"

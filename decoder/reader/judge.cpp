@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <functional>
 #include <utility>
 
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/placed_corners.hpp"
-#include "decoder/reader/tuning.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/tuning.hpp"
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "decoder/feature_frame/bar_regions.hpp"
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/reader/sampled_light.hpp"
 
 namespace tagsmith::detail {

@@ -8,9 +8,7 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
-#include "decoder/image/bilinear.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"

@@ -11,7 +11,6 @@
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
-#include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/symbol_fit.hpp"

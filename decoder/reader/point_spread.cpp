@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <ranges>
@@ -14,7 +13,7 @@
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
-#include "decoder/image/half_size.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/tuning.hpp"
 

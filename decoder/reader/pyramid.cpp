@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "decoder/image/half_size.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/tuning.hpp"
 
 namespace tagsmith::detail {

@@ -6,14 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
-#include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/sharpening.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"

@@ -2,12 +2,10 @@
 #include "decoder/reader/reader.hpp"
 
 #include <array>
-#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
-#include "decoder/image/negative.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/detector.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/propose.hpp"

@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "decoder/image/bilinear.hpp"
 #include "decoder/image/morphology.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"

@@ -2,13 +2,11 @@
 #include "decoder/scan/decode_part.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <utility>
-#include <vector>
 
 #include "decoder/scan/explained.hpp"
 #include "decoder/scan/explanation.hpp"

@@ -2,10 +2,8 @@
 #include "decoder/scan/explained.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
-#include <optional>
 
 #include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/tuning.hpp"

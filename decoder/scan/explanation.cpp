@@ -2,16 +2,12 @@
 #include "decoder/scan/explanation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "decoder/scan/explained.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 

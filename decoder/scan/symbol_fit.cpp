@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
 
-#include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"

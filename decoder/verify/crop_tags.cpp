@@ -3,10 +3,7 @@
 
 #include <algorithm>
 
-#include "decoder/image/half_size.hpp"
-#include "decoder/image/negative.hpp"
-#include "decoder/image/shrink.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 
 namespace tagsmith::detail {
 

@@ -10,9 +10,7 @@
 #include <fmt/format.h>
 
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/image/bilinear.hpp"
-#include "decoder/image/nearest.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/scan/tuning.hpp"

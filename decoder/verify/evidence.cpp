@@ -10,8 +10,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/grow_ink.hpp"
-#include "decoder/image/negative.hpp"
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/diagnose.hpp"

@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/verify/diagnose.hpp"
 #include "decoder/verify/frame_bow.hpp"

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "decoder/image/line_levels.hpp"
-#include "decoder/image/pixel.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {

@@ -2,7 +2,6 @@
 #include "decoder/verify/grade_tags.hpp"
 
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/image/nearest.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/tag/drawing.hpp"

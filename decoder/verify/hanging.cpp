@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/image/pixel.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/image/transform.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/image/nearest.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith::detail {

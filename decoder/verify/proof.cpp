@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "decoder/image/gray.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/image/negative.hpp"
-#include "decoder/image/pixel.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/child_process.hpp"

@@ -11,7 +11,7 @@
 
 #include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/image/negative.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/verify/assemble_tiles.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/diagnose.hpp"

@@ -12,9 +12,9 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "decoder/image/bilinear.hpp"
-#include "decoder/image/half_size.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"

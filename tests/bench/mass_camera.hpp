@@ -6,7 +6,6 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/image/pixel.hpp"
 #include "decoder/simulate/camera_chain.hpp"
 #include "tests/bench/lots.hpp"
 #include "tests/bench/mass_scene.hpp"

@@ -16,8 +16,8 @@
 #include <tbb/parallel_for_each.h>
 
 #include "decoder/feature_frame/refine.hpp"
-#include "decoder/image/half_size.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"

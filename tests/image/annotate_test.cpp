@@ -10,7 +10,7 @@
 
 #include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 #include "tests/support/exif_jpeg.hpp"
 
 namespace tagsmith::detail {

@@ -13,7 +13,7 @@
 #include "decoder/image/annotate.hpp"
 #include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/image/ramp.hpp"
 #include "tests/support/exif_jpeg.hpp"

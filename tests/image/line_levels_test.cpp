@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/image/bilinear.hpp"
+#include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail::test {
 namespace {

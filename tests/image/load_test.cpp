@@ -16,7 +16,7 @@
 
 #include "decoder/image/exif.hpp"
 #include "decoder/image/png_chunks.hpp"
-#include "decoder/image/shrink.hpp"
+#include "decoder/image/transform.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/image/ramp.hpp"
 #include "tests/support/program.hpp"

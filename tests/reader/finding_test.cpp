@@ -20,7 +20,7 @@
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/regions.hpp"
 #include "decoder/feature_frame/tile_threshold.hpp"
-#include "decoder/image/half_size.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/image/half_size.hpp"
+#include "decoder/image/transform.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;

@@ -12,7 +12,6 @@
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/image/pixel.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail::test {

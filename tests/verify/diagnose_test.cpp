@@ -9,8 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/image/negative.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "decoder/verify/evidence.hpp"

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/image/bilinear.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"

@@ -12,8 +12,7 @@
 
 #include "decoder/image/grow_ink.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/image/negative.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/program.hpp"

@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/image/load.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/exif_jpeg.hpp"
 #include "tests/support/json.hpp"

@@ -14,8 +14,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/image/negative.hpp"
-#include "decoder/image/upright.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_survey.hpp"

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stored pictures as they are to be shown.
+// Whole pictures turned, made smaller or with black for white.
 #pragma once
 
 #include "decoder/image/gray.hpp"
-#include "decoder/image/pixel.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Stored pictures as they are to be shown.
 
 // How a stored picture becomes upright: EXIF orientation 1 to 8 (CIPA DC-008, Orientation).
 struct Upright {
@@ -29,5 +30,20 @@ struct Upright {
 
 // The picture, or a part of it, as it is to be shown.
 GrayImage turn_upright(const GrayView& stored, int orientation);
+
+// ---- Smaller pictures.
+
+// The image at half its size, each pixel the mean of four; an odd last row or column is dropped.
+GrayImage half_size(const GrayView& image);
+
+// The image with neither side longer than `most` pixels: each pixel the mean of a square of as few
+// as that takes, but none wider than the image is high, or higher than it is wide. Last rows and
+// columns that fill no square are dropped.
+GrayImage shrunk_to(const GrayView& image, int most);
+
+// ---- Negatives.
+
+// Black for white, sample by sample; the negative of a negative is the picture.
+GrayImage exchange_black_and_white(const GrayView& image);
 
 }  // namespace tagsmith::detail
