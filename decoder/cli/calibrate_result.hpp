@@ -9,7 +9,7 @@
 
 #include "decoder/calibrate/assess.hpp"
 #include "decoder/calibrate/calibrate_photos.hpp"
-#include "decoder/calibrate/rig_sigma.hpp"
+#include "decoder/calibrate/ray_sigma.hpp"
 #include "tagsmith/tag/board.hpp"
 
 namespace tagsmith::detail {

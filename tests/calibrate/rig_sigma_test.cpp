@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/calibrate/rig_sigma.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
