@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "decoder/grade/grade.hpp"
+
 #include <tagsmith/grade.hpp>
 
 #include "decoder/api/data.hpp"
-#include "decoder/grade/symbol_grade.hpp"
 #include "decoder/image/transform.hpp"
 
 namespace tagsmith {

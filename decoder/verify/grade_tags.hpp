@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "decoder/grade/symbol_grade.hpp"
+#include "decoder/grade/grade.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/verified_file.hpp"

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "decoder/grade/symbol_grade.hpp"
+#include "decoder/grade/grade.hpp"
 #include "decoder/image/exif.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each parameter of ISO/IEC 15416 on profiles where it is known exactly.
-#include "decoder/grade/scan_grade.hpp"
-
 #include <algorithm>
 
 #include <doctest/doctest.h>
 
+#include "decoder/grade/grade.hpp"
 #include "tests/grade/synthetic_symbol.hpp"
 
 using namespace tagsmith::detail;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole symbols in pictures.
-#include "decoder/grade/symbol_grade.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
 
+#include "decoder/grade/grade.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "tests/grade/synthetic_symbol.hpp"
 
