@@ -17,8 +17,8 @@
 
 #include "decoder/cli/commands.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/noise.hpp"
+#include "decoder/simulate/sensor.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"

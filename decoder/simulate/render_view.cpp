@@ -7,9 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "decoder/simulate/coverage.hpp"
-#include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/noise.hpp"
-#include "decoder/simulate/plate_outline.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "decoder/image/gray.hpp"
 #include "decoder/simulate/light.hpp"
-#include "decoder/simulate/plate_truth.hpp"
+#include "decoder/simulate/plate_in_image.hpp"
 #include "decoder/simulate/scene.hpp"
 #include "decoder/simulate/sensor.hpp"
 #include "tagsmith/geometry/camera.hpp"

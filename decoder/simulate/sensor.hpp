@@ -1,18 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way from light to grey levels: exposure, noise, tone curve, quantisation; and the blur.
+// The way from light to the picture that a camera stores: blur, exposure, noise, tone curve,
+// quantisation; and what phones and webcams do besides.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/simulate/camera_chain.hpp"
 #include "decoder/simulate/light.hpp"
+#include "decoder/simulate/plate_in_image.hpp"
+#include "tagsmith/base/result.hpp"
 
 namespace tagsmith::detail {
+
+// ---- What phones and webcams make of the light before they store a picture: a grid of colour
+// filters, demosaicing, denoising, a bent tone curve, sharpening, compression, and rows read one by
+// one.
+
+// The defaults only demosaic.
+struct CameraChain {
+  double defocus_px = 0;      // standard deviation, besides the sensor's blur
+  double exposure = 1;        // times the sensor's
+  double noise_sigma = 0;     // grey levels at middle grey, besides the sensor's
+  double contrast = 0;        // of the tone curve's S beyond sRGB; 1 makes greys 1.5 times as steep
+  double denoise_levels = 0;  // bilateral filter: standard deviations in grey levels and pixels
+  double denoise_px = 1;
+  double sharpening = 0;  // unsharp mask: amount, and its Gaussian's standard deviation
+  double sharpening_px = 1.2;
+  int jpeg_quality = 100;
+  double rolling_px = 0;  // to the right, while the rows are read from the first to the last
+};
+
+// Of `mild`, `strong` or `night`.
+CameraChain camera_chain(const std::string& name);
+
+// ---- The sensor: exposure, noise, tone curve, quantisation; and the blur.
 
 enum class SensorTone {
   linear,
@@ -49,5 +75,20 @@ struct BlurKernel {
 // width is corrected for the cells' (variance h^2/12), so that the blur's variance is exact and an
 // edge's response off by less than 0.003 of its contrast at 4 cells a pixel and 0.7 px sigma.
 BlurKernel blur_kernel(double sigma_px, int cells_per_px);
+
+// ---- From the light that reaches a sensor to the picture that a camera's chain stores of it.
+
+// The sensor with the chain's blur, exposure and noise, which renders through the chain.
+SensorModel through_chain(SensorModel sensor, const CameraChain& chain);
+
+// The luma of the picture that the sensor's chain makes of the light, not yet compressed. The
+// sensor's levels are 0 and 255, its tone sRGB.
+GrayImage develop(const LightImage& light, const SensorModel& sensor, std::uint64_t seed);
+
+// Moves a plate's corners to where rows that are read one by one show them.
+void roll_corners(PlateTruth& truth, int image_height, double rolling_px);
+
+// The picture as a JPEG file of that quality holds it.
+Result<GrayImage> compressed(const GrayView& image, int jpeg_quality);
 
 }  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "decoder/simulate/noise.hpp"
-#include "decoder/simulate/plate_outline.hpp"
+#include "decoder/simulate/plate_in_image.hpp"
 #include "decoder/simulate/tunnel_backdrop.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"

@@ -19,8 +19,8 @@
 #include <tbb/parallel_for.h>
 
 #include "decoder/reader/reader.hpp"
-#include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/render_view.hpp"
+#include "decoder/simulate/sensor.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/bench/drawn_chain.hpp"

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "decoder/simulate/camera_chain.hpp"
+#include "decoder/simulate/sensor.hpp"
 
 namespace tagsmith::detail::bench {
 

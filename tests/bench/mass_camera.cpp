@@ -11,8 +11,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "decoder/image/tone_curve.hpp"
-#include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/light.hpp"
+#include "decoder/simulate/sensor.hpp"
 #include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail::mass {

@@ -6,7 +6,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/simulate/camera_chain.hpp"
+#include "decoder/simulate/sensor.hpp"
 #include "tests/bench/lots.hpp"
 #include "tests/bench/mass_scene.hpp"
 

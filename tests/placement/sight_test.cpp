@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/simulate/plate_truth.hpp"
+#include "decoder/simulate/plate_in_image.hpp"
 #include "tests/placement/corridors.hpp"
 
 using namespace tagsmith::detail;

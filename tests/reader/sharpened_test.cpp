@@ -11,8 +11,8 @@
 #include <doctest/doctest.h>
 
 #include "decoder/reader/reader.hpp"
-#include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/render_view.hpp"
+#include "decoder/simulate/sensor.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/bench/crop.hpp"
 #include "tests/bench/tag_trial.hpp"

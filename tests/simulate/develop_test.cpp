@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/simulate/develop.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include <doctest/doctest.h>
+
+#include "decoder/simulate/sensor.hpp"
 
 namespace tagsmith::detail {
 namespace {
