@@ -9,7 +9,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
-#include "decoder/scan/explained.hpp"
+#include "decoder/scan/explanation.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

@@ -23,7 +23,7 @@
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/decode_part.hpp"
-#include "decoder/scan/explained.hpp"
+#include "decoder/scan/explanation.hpp"
 #include "decoder/scan/symbol_fit.hpp"
 #include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"

@@ -70,4 +70,14 @@ const Alphabet& alphabet_at(std::size_t position) {
   return kHalves[position < 6 ? 0 : 1];
 }
 
+// ---- Costs.
+
+double CharacterCosts::of(const Characters& characters) const {
+  double cost = constant + alone[0][characters[0]];
+  for (std::size_t i = 1; i < kDigitCount; ++i) {
+    cost += alone[i][characters[i]] + pair[i - 1][characters[i - 1]][characters[i]];
+  }
+  return cost;
+}
+
 }  // namespace tagsmith::detail

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The characters that may stand at a digit's place, and the features that they are made of.
+// The characters that may stand at a digit's place, the features that they are made of, and what
+// each costs at every place of a symbol.
 #pragma once
 
 #include <array>
@@ -53,5 +54,20 @@ struct Alphabet {
 
 // Of the characters at a position.
 const Alphabet& alphabet_at(std::size_t position);
+
+// ---- What every character at every place of a symbol costs.
+
+// Sum of squared residuals over variances of the symbol made of any characters:
+// constant + sum of alone[i][c_i] + sum of pair[i][c_i][c_(i+1)]. Light adds up, so this is exact
+// where blur reaches no farther than the next character. Where it does, it is exact for symbols in
+// which no two characters that far apart differ from the reference.
+struct CharacterCosts {
+  using Row = std::array<double, kCharacterCount>;
+  double constant = 0;
+  std::array<Row, kDigitCount> alone{};
+  std::array<std::array<Row, kCharacterCount>, kDigitCount - 1> pair{};
+
+  double of(const Characters& characters) const;
+};
 
 }  // namespace tagsmith::detail

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <vector>
 
-#include "decoder/scan/explained.hpp"
 #include "decoder/scan/explanation.hpp"
 #include "decoder/scan/tuning.hpp"
 

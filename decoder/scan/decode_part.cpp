@@ -8,7 +8,6 @@
 #include <functional>
 #include <utility>
 
-#include "decoder/scan/explained.hpp"
 #include "decoder/scan/explanation.hpp"
 #include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"

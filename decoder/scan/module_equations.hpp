@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "decoder/scan/character_costs.hpp"
+#include "decoder/scan/characters.hpp"
 #include "decoder/scan/module_light.hpp"
 #include "decoder/scan/profile.hpp"
 #include "decoder/scan/symbol_fit.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "decoder/scan/character_costs.hpp"
+#include "decoder/scan/characters.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith::detail {

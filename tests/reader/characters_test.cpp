@@ -12,7 +12,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/scan/decode.hpp"
-#include "decoder/scan/explained.hpp"
+#include "decoder/scan/explanation.hpp"
 #include "decoder/scan/module_equations.hpp"
 #include "decoder/scan/symbol_search.hpp"
 

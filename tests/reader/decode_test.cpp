@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/scan/explained.hpp"
+#include "decoder/scan/explanation.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 using namespace tagsmith::detail;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/scan/explained.hpp"
-
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "decoder/scan/explanation.hpp"
 #include "tests/scan/made_profile.hpp"
 
 using namespace tagsmith::detail;

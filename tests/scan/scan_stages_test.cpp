@@ -9,7 +9,6 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/scan/character_costs.hpp"
 #include "decoder/scan/characters.hpp"
 #include "decoder/scan/corrupted_digits.hpp"
 #include "decoder/scan/decode.hpp"
