@@ -16,8 +16,8 @@
 #include <tagsmith/survey.hpp>
 
 #include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/frame_corners.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"

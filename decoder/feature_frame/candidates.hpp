@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/gray.hpp"

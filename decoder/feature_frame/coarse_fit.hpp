@@ -5,8 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "decoder/feature_frame/frame_fault.hpp"
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/gray.hpp"

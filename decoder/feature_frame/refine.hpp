@@ -6,8 +6,7 @@
 #include <cstddef>
 
 #include "decoder/feature_frame/fitted_side.hpp"
-#include "decoder/feature_frame/frame_fault.hpp"
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "decoder/feature_frame/candidates.hpp"
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"

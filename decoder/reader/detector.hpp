@@ -9,7 +9,7 @@
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/coarse_fit.hpp"
-#include "decoder/feature_frame/frame_fault.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"

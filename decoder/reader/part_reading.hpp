@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "decoder/feature_frame/corner_covariance.hpp"
-#include "decoder/reader/frame_corners.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/scan/decode_part.hpp"
 #include "tagsmith/symbology/digits.hpp"
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/bar_ends.hpp"
-#include "decoder/reader/frame_corners.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 
 namespace tagsmith::detail {

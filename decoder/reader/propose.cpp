@@ -9,7 +9,6 @@
 #include <ranges>
 #include <utility>
 
-#include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"

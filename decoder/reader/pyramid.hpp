@@ -3,7 +3,7 @@
 
 #include <deque>
 
-#include "decoder/feature_frame/bar_texture.hpp"
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/image/gray.hpp"
 

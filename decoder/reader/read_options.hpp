@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "decoder/reader/frame_corners.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/symbology/digits.hpp"

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "decoder/feature_frame/corner_covariance.hpp"
-#include "decoder/feature_frame/frame_fault.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/frame_corners.hpp"
 #include "decoder/reader/part_reading.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/scan/decoding.hpp"

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/frame_corners.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_layout.hpp"

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "tagsmith/symbology/upca.hpp"
 #include "tagsmith/tag/template.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/sharpening.hpp"

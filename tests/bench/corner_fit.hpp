@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "decoder/reader/frame_corners.hpp"
+#include "decoder/feature_frame/frame.hpp"
 
 namespace tagsmith::detail::bench {
 

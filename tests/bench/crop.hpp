@@ -6,9 +6,9 @@
 #include <array>
 #include <random>
 
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/frame_corners.hpp"
 
 namespace tagsmith::detail::bench {
 

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "decoder/reader/frame_corners.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail::bench {

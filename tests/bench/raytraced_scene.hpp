@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "decoder/reader/frame_corners.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "tests/bench/lots.hpp"
 
 namespace tagsmith::detail::raytraced {

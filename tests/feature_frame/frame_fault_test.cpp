@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each fault of an outline is told by its name.
-#include "decoder/feature_frame/frame_fault.hpp"
-
 #include <algorithm>
 
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/coarse_fit.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "tests/support/seen_tag.hpp"

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/reader/frame_corners.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/reader/proposal.hpp"
 #include "tests/support/seen_tag.hpp"
 

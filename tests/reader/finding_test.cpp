@@ -15,7 +15,6 @@
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/bar_regions.hpp"
-#include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/regions.hpp"

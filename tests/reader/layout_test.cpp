@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/candidates.hpp"
-#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"

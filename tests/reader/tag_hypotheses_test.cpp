@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/reader/frame_corners.hpp"
+#include "decoder/feature_frame/frame.hpp"
 
 using namespace tagsmith::detail;
 using Source = TagHypothesis::Source;
