@@ -4,7 +4,7 @@
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/sampled_light.hpp"
+#include "decoder/reader/searched_image.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 
 namespace tagsmith::detail {

@@ -5,7 +5,7 @@
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/sampled_light.hpp"
+#include "decoder/reader/searched_image.hpp"
 
 namespace tagsmith::detail {
 

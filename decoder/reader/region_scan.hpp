@@ -9,7 +9,7 @@
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/reader/bar_lines.hpp"
-#include "decoder/reader/sampled_light.hpp"
+#include "decoder/reader/searched_image.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 
 namespace tagsmith::detail {

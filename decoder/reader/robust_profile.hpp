@@ -4,13 +4,17 @@
 
 #include <optional>
 
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/common_darkness.hpp"
+#include "decoder/reader/symbol_layout.hpp"
 #include "decoder/reader/symbol_rows.hpp"
 #include "decoder/scan/profile.hpp"
 
 namespace tagsmith::detail {
+
+// ---- The profile.
 
 struct SymbolProfile {
   ScanProfile bins;
@@ -63,5 +67,12 @@ class RobustProfile {
   SymbolRows rows_;              // coarse ones
   std::optional<double> white_;  // of rows that were evened out
 };
+
+// ---- How the point spread, one in pixels, varies along a symbol that is seen obliquely.
+
+// Sets ScanBin::spread from the widths, across the bars, that modules have in the image at half the
+// frame's height. `image_from_frame` maps the unit square to the frame's inner edge, P at (0, 0).
+void set_spreads(const FrameHomography& image_from_frame, const SymbolLayout& layout,
+                 ScanProfile& profile);
 
 }  // namespace tagsmith::detail

@@ -2,7 +2,13 @@
 #include "decoder/reader/survey_options.hpp"
 
 #include <algorithm>
-#include <vector>
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 
@@ -29,6 +35,48 @@ ReadOptions read_options_for(std::span<const Survey> surveys) {
   each.reserve(surveys.size());
   for (const Survey& survey : surveys) each.push_back(&survey);
   return read_options_of(each);
+}
+
+// ---- Tags that should be in a picture.
+
+namespace {
+
+// The frame's inner corners in the image; nothing when one is out of it.
+std::optional<FrameCorners> corners_in_image(const Camera& camera, const Pose& camera_from_plate,
+                                             const TagTemplate& tag) {
+  const double right = tag.frame_inner_length;
+  const double down = tag.frame_inner_height;
+  const std::array<Eigen::Vector3d, 4> corners_in_plate{
+      {{0, 0, 0}, {right, 0, 0}, {right, down, 0}, {0, down, 0}}};
+  FrameCorners corners{};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto pixel = project(camera, camera_from_plate * corners_in_plate[i]);
+    if (!pixel || !in_image(camera, *pixel)) return std::nullopt;
+    corners[i] = {pixel->x(), pixel->y()};
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::vector<ExpectedTag> expected_tags(const Survey& survey, const Camera& camera,
+                                       const Pose& camera_from_world, double uncertainty_px) {
+  constexpr double kLeastModule = 0.25;  // pixels
+  std::vector<ExpectedTag> expected;
+  for (const PlacedTag& tag : survey.tags) {
+    const Pose camera_from_plate = camera_from_world * tag.world_from_plate;
+    // The plate's z axis points into the wall: its printed side is seen from where z is negative.
+    if (inverse(camera_from_plate).translation.z() >= 0) continue;
+    const auto corners = corners_in_image(camera, camera_from_plate, survey.tag_template);
+    if (!corners) continue;
+    const double modules = kModuleCount + 2 * survey.tag_template.quiet_zone_modules;
+    if (distance((*corners)[0], (*corners)[1]) < kLeastModule * modules) continue;
+    expected.push_back({*corners, uncertainty_px});
+  }
+  std::ranges::sort(expected, [](const ExpectedTag& a, const ExpectedTag& b) {
+    return distance(a.corners[0], a.corners[3]) > distance(b.corners[0], b.corners[3]);
+  });
+  return expected;
 }
 
 }  // namespace tagsmith::detail

@@ -8,7 +8,6 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/load.hpp"
-#include "decoder/reader/expected_tags.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/simulate/survey_view.hpp"

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/reader/point_spread.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
 
+#include "decoder/reader/robust_profile.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 using namespace tagsmith::detail;

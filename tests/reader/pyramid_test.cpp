@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/reader/pyramid.hpp"
-
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -8,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/tile_threshold.hpp"
+#include "decoder/reader/searched_image.hpp"
 
 using namespace tagsmith::detail;
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/reader/sampled_light.hpp"
-
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include <doctest/doctest.h>
+
+#include "decoder/reader/searched_image.hpp"
 
 using namespace tagsmith::detail;
 
