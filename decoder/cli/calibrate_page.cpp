@@ -9,7 +9,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/render/picture_sheet.hpp"
+#include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/svg.hpp"
 
 namespace tagsmith::detail {

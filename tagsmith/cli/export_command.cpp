@@ -10,7 +10,6 @@
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/tag_list.hpp"
-#include "tagsmith/render/dxf.hpp"
 #include "tagsmith/render/survey_exchange.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sketch at a scale: every item at its place on paper. Internal to tagsmith/render.
+// A sketch at a scale: every item at its place on paper, no words over others.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -11,6 +15,31 @@
 #include "tagsmith/render/sketch.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Which part of a drawing is taken by words, so that none stand over others. Internal to
+// tagsmith/render.
+
+// A rectangle at any angle: a corner and the two sides from there, metres on paper.
+struct TurnedBox {
+  Eigen::Vector2d corner{0, 0};
+  Eigen::Vector2d along{0, 0};
+  Eigen::Vector2d up{0, 0};
+};
+
+class LabelRoom {
+ public:
+  // The first of the moves that brings the box where nothing is; none = the box stays. The box is
+  // taken where it then is.
+  Eigen::Vector2d take(const TurnedBox& box, std::span<const Eigen::Vector2d> moves);
+
+ private:
+  bool is_free(const TurnedBox& box) const;
+
+  std::vector<TurnedBox> taken_;
+  std::unordered_map<std::int64_t, std::vector<std::size_t>> taken_by_cell_;
+};
+
+// ---- The sketch at a scale. Internal to tagsmith/render.
 
 // Paper frame: x right, y down, metres; the origin is the sketch's.
 struct SketchOnPaper {
@@ -28,5 +57,11 @@ SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator);
 // Width and height of the sketch's points on the ground, metres; nothing when a point
 // is not finite.
 std::optional<Eigen::Vector2d> model_extent(const Sketch& sketch);
+
+// ---- A sketch by itself, for pages that show it as a picture.
+
+// A sheet as large as the sketch's ink with a margin of 2 mm; one metre of the ground is one of
+// paper.
+Sheet picture_sheet(const Sketch& sketch, const std::string& title);
 
 }  // namespace tagsmith::detail

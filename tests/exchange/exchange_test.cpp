@@ -20,7 +20,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/tag_list.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/render/dxf.hpp"
+#include "tagsmith/render/survey_exchange.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/exchange/drift_points.hpp"

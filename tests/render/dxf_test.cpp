@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tunnel in DXF, read back by its groups of code and value.
-#include "tagsmith/render/dxf.hpp"
-
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -11,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/survey_exchange.hpp"
 #include "tests/render/sample_survey.hpp"
 
 using namespace tagsmith::detail;

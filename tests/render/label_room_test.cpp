@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Words of drawings stand clear of each other, whatever the survey.
-#include "tagsmith/render/label_room.hpp"
-
 #include <algorithm>
 #include <array>
 #include <string>
@@ -12,6 +10,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/render/setting_out_sheets.hpp"
+#include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/survey_drawing.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"

@@ -10,10 +10,10 @@
 
 #include "decoder/image/load.hpp"
 #include "tagsmith/render/pdf.hpp"
-#include "tagsmith/render/picture_sheet.hpp"
 #include "tagsmith/render/png.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tests/render/raster.hpp"
 
