@@ -12,7 +12,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/image/transform.hpp"
 #include "decoder/verify/crop_tags.hpp"
-#include "decoder/verify/input_file.hpp"
+#include "decoder/verify/verify_file.hpp"
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "decoder/verify/input_file.hpp"
 #include "decoder/verify/verified_file.hpp"
+#include "decoder/verify/verify_file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "decoder/verify/hanging_check.hpp"
 #include "decoder/verify/hung_tags.hpp"
-#include "decoder/verify/sighting_pick.hpp"
 
 namespace tagsmith::detail {
 namespace {

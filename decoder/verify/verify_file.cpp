@@ -12,19 +12,82 @@
 #include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/transform.hpp"
-#include "decoder/verify/assemble_tiles.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/diagnose.hpp"
 #include "decoder/verify/findings.hpp"
 #include "decoder/verify/grade_tags.hpp"
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/rasterize.hpp"
+#include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/date.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith::detail {
+
+// ---- The file.
+
+Result<InputFile> read_input_file(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kMaxBytes = 512U << 20U;
+  Result<std::string> bytes = read_regular_file(path, kMaxBytes);
+  if (!bytes) return fail(bytes.error().message);
+  std::string hash = sha256(*bytes);
+  return InputFile{path, std::move(*bytes), std::move(hash)};
+}
+
+// ---- Plates that were printed in pieces, put together again as the assembly sheet says.
+
 namespace {
+
+// Where one tile is drawn.
+struct TilePage {
+  std::filesystem::path file;
+  int number = 0;        // of the page in a PDF, from 1; 0 in a picture
+  PrinterScale scale{};  // of the printer that a PDF is for
+};
+
+int pixels(double metres, double per_metre) {
+  return static_cast<int>(std::lround(metres * per_metre));
+}
+
+// The plate at 150 dpi (pictures: at their own `dots_per_inch`; fewer when it would have more than
+// 40 million pixels), each window of the plan pasted where it belongs, as the sheets are glued.
+// `pages`: row by row, as many as the plan has tiles. Fails when one cannot be drawn.
+Result<PageImage> assemble_tiles(const TilePlan& plan, const std::vector<TilePage>& pages,
+                                 double dots_per_inch = 150) {
+  constexpr double kMaxPixels = 40e6;
+  const double width = (plan.columns - 1) * plan.step_right + plan.window.width;
+  const double height = (plan.rows - 1) * plan.step_down + plan.window.height;
+  // Pictures come as they are; pages of documents are drawn as asked for.
+  const bool scalable = pages.front().number > 0 || is_svg(pages.front().file);
+  const double least = std::sqrt(kMaxPixels / (width * height)) * kMetresPerInch;
+  const double dpi = scalable ? std::min(dots_per_inch, least) : dots_per_inch;
+  const double per_metre = dpi / kMetresPerInch;
+  GrayImage plate{pixels(width, per_metre), pixels(height, per_metre), {}};
+  constexpr double kMostPixels = 200e6;
+  if (static_cast<double>(plate.width) * plate.height > kMostPixels) {
+    return fail(pages.front().file.string() + ": the plate in tiles is too large a picture");
+  }
+  plate.samples.assign(
+      static_cast<std::size_t>(plate.width) * static_cast<std::size_t>(plate.height), 255);
+  const PixelRegion window{pixels(plan.window.x, per_metre), pixels(plan.window.y, per_metre),
+                           static_cast<int>(plan.window.width * per_metre),
+                           static_cast<int>(plan.window.height * per_metre)};
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    const auto column = static_cast<int>(i) % plan.columns;
+    const auto row = static_cast<int>(i) / plan.columns;
+    const Result<GrayImage> tile =
+        rasterize_part(pages[i].file, pages[i].number, dpi, window, pages[i].scale);
+    if (!tile) return fail(tile.error().message);
+    paste(*tile, plate, pixels(column * plan.step_right, per_metre),
+          pixels(row * plan.step_down, per_metre));
+  }
+  return PageImage{std::move(plate), 1 / per_metre, {}};
+}
+
+// ---- The whole file.
 
 // One file to verify, and what its manifest says of it; null and none without a manifest.
 struct Task {

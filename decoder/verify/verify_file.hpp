@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "decoder/reader/reader.hpp"
 #include "decoder/verify/evidence.hpp"
-#include "decoder/verify/input_file.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/photo_cameras.hpp"
 #include "decoder/verify/verified_file.hpp"
@@ -17,6 +17,16 @@
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
+
+// A file to be verified, read once: its hash and its picture come from the same bytes.
+struct InputFile {
+  std::filesystem::path path;
+  std::string bytes;
+  std::string sha256;
+};
+
+// Fails when the file cannot be read, is no regular file, or has more than 512 MiB.
+Result<InputFile> read_input_file(const std::filesystem::path& path);
 
 // What files are verified against; the surveys outlive it.
 struct VerifyRequest {

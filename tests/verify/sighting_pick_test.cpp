@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/verify/sighting_pick.hpp"
-
 #include <algorithm>
 #include <random>
 #include <set>
 #include <string>
 
 #include <doctest/doctest.h>
+
+#include "decoder/verify/hanging_check.hpp"
 
 namespace tagsmith::detail {
 namespace {
