@@ -2,7 +2,6 @@
 #include "decoder/calibrate/start_calibration.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>

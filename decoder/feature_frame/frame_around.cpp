@@ -2,7 +2,6 @@
 #include "decoder/feature_frame/frame_around.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>

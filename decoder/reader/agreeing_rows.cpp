@@ -2,9 +2,7 @@
 #include "decoder/reader/agreeing_rows.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>

@@ -5,9 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>

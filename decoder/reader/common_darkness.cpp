@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/tuning.hpp"

@@ -2,7 +2,6 @@
 #include "decoder/reader/detector.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <ranges>
 #include <utility>
 #include <variant>

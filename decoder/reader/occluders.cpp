@@ -5,9 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <span>
-#include <utility>
 
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/base/statistics.hpp"

@@ -5,9 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
-#include <optional>
 #include <ranges>
-#include <utility>
 
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/side_line.hpp"

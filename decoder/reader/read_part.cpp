@@ -2,7 +2,6 @@
 #include "decoder/reader/read_part.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>

@@ -2,8 +2,6 @@
 #include "decoder/scan/decode.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <numeric>
 #include <vector>
 

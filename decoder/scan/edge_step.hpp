@@ -2,8 +2,6 @@
 // What an edge of a bar looks like in a profile: a step through the lens and through the pixels.
 #pragma once
 
-#include <algorithm>
-
 #include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {

@@ -2,7 +2,6 @@
 #include "decoder/scan/symbol_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>

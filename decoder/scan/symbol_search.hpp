@@ -2,7 +2,6 @@
 // The most likely symbols given what each character costs, and how likely all others are together.
 #pragma once
 
-#include <optional>
 #include <span>
 
 #include "decoder/scan/characters.hpp"

@@ -2,8 +2,6 @@
 // The thresholds of reading a scan profile, one struct for each stage.
 #pragma once
 
-#include <cstddef>
-
 namespace tagsmith::detail {
 
 // Places of symbols on a line. Tuned on rendered symbols (tests/reader/frameless_test.cpp).

@@ -2,7 +2,6 @@
 #include "tagsmith/placement/optimise.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <Eigen/Geometry>
