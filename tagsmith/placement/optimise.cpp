@@ -2,16 +2,383 @@
 #include "tagsmith/placement/optimise.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/placement/layout_search.hpp"
+#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
 namespace {
+
+// ---- The search: what one layout costs and keeps, and how far its plates can be spaced.
+
+constexpr double kSpacingStep = 0.05;     // metres: what an installer measures off
+constexpr int kDensest = 1;               // steps: clear gap of plates hung as densely as possible
+constexpr int kWidest = 400;              // steps
+constexpr int kStepsBeyond = 12;          // tried beyond the first that fails
+constexpr double kCoarseStep = 0.10;      // of the chainage while searching
+constexpr int kCoarseOffsets = 3;         // over the envelope while searching
+constexpr std::size_t kFirstLook = 8;     // columns to one that is looked at first
+constexpr double kFloorClearance = 0.05;  // of a plate's edge from floor and roof, metres
+constexpr double kSightAhead = 40;        // metres beyond the plan's end where tags may still help
+
+// Half the pitch between the walls' plates: each wall's tags stand before the other's gaps.
+double stagger_angle(const TagTemplate& tag, double spacing, double width) {
+  const double half_pitch = (tag.plate_length + spacing) / 2;
+  return std::atan2(tag.frame_inner_length + half_pitch, width);
+}
+
+bool has_half_pitch(const Survey& survey, const Layout& layout) {
+  return layout.series.pair_angle &&
+         std::abs(*layout.series.pair_angle -
+                  stagger_angle(layout.tag_template, layout.series.spacing,
+                                width_at(survey.tunnel, layout.series.first))) < 1e-9;
+}
+
+// The right plates' shift may not take them out of the drive either.
+double last_chainage(const Survey& survey, const Layout& layout) {
+  const double shift =
+      layout.series.pair_angle
+          ? std::max(0.0, greatest_width(survey.tunnel) * std::tan(*layout.series.pair_angle) -
+                              layout.tag_template.frame_inner_length)
+          : 0.0;
+  return survey.tunnel.centerline.length() - layout.tag_template.plate_length - shift;
+}
+
+int pairs_that_fit(const Survey& survey, const Layout& layout, double up_to) {
+  const double room = std::min(last_chainage(survey, layout), up_to) - layout.series.first;
+  const double pitch = layout.tag_template.plate_length + layout.series.spacing;
+  return room < 0 ? 0 : static_cast<int>(std::floor(room / pitch + 1e-9)) + 1;
+}
+
+// Of one plate, square millimetres.
+double plate_area(const Layout& layout) {
+  const TagTemplate& tag = layout.tag_template;
+  return std::round(1e6 * tag.plate_length * tag.plate_height);
+}
+
+// Searches with a coarse plan and proves with the plan as asked for. Keeps references to all it is
+// given.
+class LayoutSearch {
+ public:
+  LayoutSearch(const Survey& survey, const Rig& rig, const std::vector<TagTemplate>& templates,
+               const Requirement& requirement, CostOrder order, const PlanOptions& options);
+
+  Layout given() const;
+
+  // Which columns can be served at all: the share of them, of the plan as asked for. Fails when
+  // none can. To be called before what follows.
+  Result<double> find_demanded();
+  const std::vector<bool>& demanded() const { return fine_.demanded; }
+
+  // The layout by the plan as asked for.
+  LayoutReport report(std::string name, const Layout& layout) const;
+
+  bool is_cheaper(const LayoutReport& a, const LayoutReport& b) const;
+
+  // The layout with the largest spacing that still meets the requirement, and no more pairs than it
+  // takes, by the coarse plan. With `best`, only if it may be cheaper than that.
+  std::optional<LayoutReport> stretched(const std::string& name, const Layout& layout,
+                                        const LayoutReport* best = nullptr) const;
+
+  // Proves what `stretched` found with the plan as asked for; hangs the plates closer while that
+  // does not hold.
+  LayoutReport proved(const LayoutReport& coarse) const;
+
+  // Layouts that differ from this one in one respect.
+  std::vector<Layout> plates(const Layout& layout) const;
+  std::vector<Layout> heights(const Layout& layout) const;
+  std::vector<Layout> staggers(const Layout& layout) const;
+  std::vector<Layout> alphas(const Layout& layout) const;
+
+ private:
+  // A plan's options, and which of its columns the requirement is for.
+  struct Demand {
+    PlanOptions options;
+    std::vector<bool> demanded;
+
+    // The first column and each `stride`th after it.
+    Demand thinned(std::size_t stride) const;
+  };
+
+  Result<DrivePlan> plan_of(const Layout& layout, const PlanOptions& options) const;
+  Result<std::vector<bool>> find_demanded(PlanOptions options) const;
+  bool meets(const Layout& layout, const Demand& demand) const;
+  void judge(const Layout& layout, const Demand& demand, LayoutReport& report) const;
+  LayoutReport priced(std::string name, const Layout& layout) const;
+  int least_steps(const Layout& layout, const LayoutReport& best) const;
+  Layout spaced(Layout layout, int steps) const;
+  Layout trimmed(Layout layout) const;
+  double up_to() const;
+  bool hangs_in_tunnel(const Layout& layout) const;
+
+  const Survey& survey_;
+  const Rig& rig_;
+  const std::vector<TagTemplate>& templates_;
+  const Requirement requirement_;
+  const CostOrder order_;
+  Demand fine_;
+  Demand coarse_;
+};
+
+LayoutSearch::LayoutSearch(const Survey& survey, const Rig& rig,
+                           const std::vector<TagTemplate>& templates,
+                           const Requirement& requirement, CostOrder order,
+                           const PlanOptions& options)
+    : survey_(survey),
+      rig_(rig),
+      templates_(templates),
+      requirement_(requirement),
+      order_(order),
+      fine_{options, {}},
+      coarse_{options, {}} {
+  coarse_.options.step = std::max(options.step, kCoarseStep);
+  coarse_.options.lateral_offsets = std::min(options.lateral_offsets, kCoarseOffsets);
+  coarse_.options.headings = std::min(options.headings, kCoarseOffsets);
+}
+
+Layout LayoutSearch::given() const { return {survey_.tag_template, *survey_.series, std::nullopt}; }
+
+Result<double> LayoutSearch::find_demanded() {
+  for (Demand* demand : {&coarse_, &fine_}) {
+    auto columns = find_demanded(demand->options);
+    if (!columns) return fail(columns.error().message);
+    demand->demanded = std::move(*columns);
+  }
+  const auto count = std::ranges::count(fine_.demanded, true);
+  if (count == 0) {
+    return fail(fmt::format(
+        "{} with {}: even plates {} m apart leave poses without a position everywhere: the "
+        "cameras or the envelope must change first",
+        survey_.file.string(), rig_.file.string(), format_number(kDensest * kSpacingStep, 2)));
+  }
+  return static_cast<double>(count) / static_cast<double>(fine_.demanded.size());
+}
+
+Result<std::vector<bool>> LayoutSearch::find_demanded(PlanOptions options) const {
+  options.accuracy = false;
+  const auto as_given = plan_of(given(), options);
+  if (!as_given) return fail(as_given.error().message);
+  const auto densest = plan_of(spaced(given(), kDensest), options);
+  if (!densest) return fail(densest.error().message);
+  std::vector<bool> columns;
+  for (std::size_t i = 0; i < as_given->columns.size(); ++i) {
+    columns.push_back(as_given->columns[i].least_tags > requirement_.tags_lost ||
+                      densest->columns[i].least_tags > requirement_.tags_lost);
+  }
+  return columns;
+}
+
+LayoutReport LayoutSearch::report(std::string name, const Layout& layout) const {
+  LayoutReport report = priced(std::move(name), layout);
+  judge(layout, fine_, report);
+  return report;
+}
+
+bool LayoutSearch::is_cheaper(const LayoutReport& a, const LayoutReport& b) const {
+  if (a.meets != b.meets) return a.meets;
+  if (!a.meets) return a.met_share > b.met_share;
+  const auto cost = [&](const LayoutReport& report) {
+    const double plate = plate_area(report.layout);
+    const double tags = report.tags;
+    return order_ == CostOrder::tags ? std::tuple(tags, plate) : std::tuple(plate, tags);
+  };
+  return cost(a) < cost(b);
+}
+
+// Why: docs/decisions/0013-planning.md.
+std::optional<LayoutReport> LayoutSearch::stretched(const std::string& name, const Layout& layout,
+                                                    const LayoutReport* best) const {
+  const int least = best != nullptr ? least_steps(layout, *best) : kDensest;
+  if (least > kWidest) return std::nullopt;
+  int low = least - 1;  // meets, once it is `least` or more
+  int high = kWidest + 1;
+  // The spacing given is the likeliest of all.
+  const int given = static_cast<int>(std::floor(survey_.series->spacing / kSpacingStep));
+  for (int middle = best != nullptr ? least : std::clamp(given, least, kWidest); high - low > 1;
+       middle = (low + high) / 2) {
+    (meets(spaced(layout, middle), coarse_) ? low : high) = middle;
+  }
+  // In bends, and where the drive ends, a wider spacing may do what a closer one does not.
+  for (int wider = high + 1; wider <= std::min(low + kStepsBeyond, kWidest); ++wider) {
+    if (meets(spaced(layout, wider), coarse_)) low = wider;
+  }
+  if (low >= least) {
+    LayoutReport found = priced(name, trimmed(spaced(layout, low)));
+    found.meets = true;
+    return found;
+  }
+  if (best != nullptr && best->meets) return std::nullopt;
+  LayoutReport failed = priced(name, spaced(layout, least));
+  judge(failed.layout, coarse_.thinned(kFirstLook), failed);
+  return failed;
+}
+
+LayoutReport LayoutSearch::proved(const LayoutReport& coarse) const {
+  constexpr int kMostSteps = 40;
+  Layout layout = coarse.layout;
+  for (int i = 0; i < kMostSteps && !meets(layout, fine_); ++i) {
+    const int steps = static_cast<int>(std::lround(layout.series.spacing / kSpacingStep)) - 1;
+    if (steps < kDensest) break;
+    layout = spaced(layout, steps);
+  }
+  return report(coarse.name, layout);
+}
+
+std::vector<Layout> LayoutSearch::plates(const Layout& layout) const {
+  std::vector<Layout> all;
+  for (const TagTemplate& tag : templates_) {
+    Layout other = layout;
+    other.tag_template = tag;
+    if (hangs_in_tunnel(other)) all.push_back(other);
+  }
+  return all;
+}
+
+std::vector<Layout> LayoutSearch::heights(const Layout& layout) const {
+  std::vector<Layout> all;
+  const double most = std::min(survey_.tunnel.height.least(), 4.0);
+  for (int decimetres = 2; decimetres < 10 * most; decimetres += 2) {
+    Layout other = layout;
+    other.series.mount_height = decimetres / 10.0;
+    if (hangs_in_tunnel(other)) all.push_back(other);
+  }
+  return all;
+}
+
+std::vector<Layout> LayoutSearch::staggers(const Layout& layout) const {
+  Layout facing = layout;
+  facing.series.pair_angle.reset();
+  Layout half = layout;
+  half.series.pair_angle = stagger_angle(layout.tag_template, layout.series.spacing,
+                                         width_at(survey_.tunnel, layout.series.first));
+  return {facing, half};
+}
+
+std::vector<Layout> LayoutSearch::alphas(const Layout& layout) const {
+  std::vector<Layout> all;
+  if (!all_look_aside(rig_)) return all;
+  for (int alpha = 15; alpha <= 75; alpha += 5) {
+    Layout other = layout;
+    other.alpha = radians(alpha);
+    all.push_back(other);
+  }
+  return all;
+}
+
+Result<DrivePlan> LayoutSearch::plan_of(const Layout& layout, const PlanOptions& options) const {
+  return plan_drive(with_layout(survey_, layout), with_alpha(rig_, layout.alpha), options);
+}
+
+LayoutSearch::Demand LayoutSearch::Demand::thinned(std::size_t stride) const {
+  Demand thin{options, {}};
+  thin.options.step *= static_cast<double>(stride);
+  for (std::size_t i = 0; i < demanded.size(); i += stride) thin.demanded.push_back(demanded[i]);
+  return thin;
+}
+
+// Most layouts fail, and most of those at many places and by sight alone, which is many times as
+// fast as the accuracy.
+bool LayoutSearch::meets(const Layout& layout, const Demand& demand) const {
+  for (const bool accuracy : {false, true}) {
+    for (const std::size_t stride : {kFirstLook, std::size_t{1}}) {
+      Demand part = demand.thinned(stride);
+      part.options.accuracy = accuracy;
+      const Result<DrivePlan> plan = plan_of(layout, part.options);
+      if (!plan) return false;
+      for (std::size_t i = 0; i < plan->columns.size(); ++i) {
+        const PlanColumn& column = plan->columns[i];
+        const bool served =
+            accuracy ? is_served(column, requirement_) : column.least_tags > requirement_.tags_lost;
+        if (part.demanded.at(i) && !served) return false;
+      }
+    }
+  }
+  return true;
+}
+
+void LayoutSearch::judge(const Layout& layout, const Demand& demand, LayoutReport& report) const {
+  const Result<DrivePlan> plan = plan_of(layout, demand.options);
+  if (!plan) return;
+  int covered = 0;
+  double worst = -1;
+  for (const PlanColumn& column : plan->columns) {
+    covered += column.least_tags > 0 ? 1 : 0;
+    if (std::isfinite(column.worst.plane)) worst = std::max(worst, column.worst.plane);
+  }
+  report.met_share = served_share(*plan, requirement_, demand.demanded);
+  report.meets = report.met_share == 1;
+  report.covered_share = static_cast<double>(covered) / static_cast<double>(plan->columns.size());
+  report.worst_plane = worst < 0 ? std::numeric_limits<double>::infinity() : worst;
+}
+
+LayoutReport LayoutSearch::priced(std::string name, const Layout& layout) const {
+  LayoutReport report;
+  report.name = std::move(name);
+  report.layout = layout;
+  report.tags = 2 * layout.series.pairs;
+  report.plate_area = report.tags * plate_area(layout) / 1e6;
+  return report;
+}
+
+// The least spacing at which the layout, before it is trimmed, may cost less than `best` did.
+int LayoutSearch::least_steps(const Layout& layout, const LayoutReport& best) const {
+  if (!best.meets) return kDensest;
+  const double plate = plate_area(layout);
+  const double best_plate = plate_area(best.layout);
+  if (order_ == CostOrder::plate && plate != best_plate) {
+    return plate < best_plate ? kDensest : kWidest + 1;
+  }
+  const int most = pairs_that_fit(survey_, best.layout, up_to());
+  int steps = kDensest;
+  while (steps <= kWidest && spaced(layout, steps).series.pairs > most) ++steps;
+  return steps;
+}
+
+// As many pairs as may serve the planned stretch.
+Layout LayoutSearch::spaced(Layout layout, int steps) const {
+  const bool half_pitch = has_half_pitch(survey_, layout);
+  layout.series.spacing = steps * kSpacingStep;
+  if (half_pitch) {
+    layout.series.pair_angle = stagger_angle(layout.tag_template, layout.series.spacing,
+                                             width_at(survey_.tunnel, layout.series.first));
+  }
+  layout.series.pairs = pairs_that_fit(survey_, layout, up_to());
+  return layout;
+}
+
+// The least pairs that still meet what all together do.
+Layout LayoutSearch::trimmed(Layout layout) const {
+  int low = 0;
+  int high = layout.series.pairs;
+  while (high - low > 1) {
+    layout.series.pairs = (low + high) / 2;
+    (meets(layout, coarse_) ? high : low) = layout.series.pairs;
+  }
+  layout.series.pairs = high;
+  return layout;
+}
+
+double LayoutSearch::up_to() const {
+  return fine_.options.to.value_or(survey_.tunnel.centerline.length()) + kSightAhead;
+}
+
+bool LayoutSearch::hangs_in_tunnel(const Layout& layout) const {
+  const TagTemplate& tag = layout.tag_template;
+  const double above = (tag.plate_height - tag.frame_inner_height) / 2 - tag.frame_offset_up;
+  const double below = tag.plate_height - above;
+  return layout.series.mount_height - below >= kFloorClearance &&
+         layout.series.mount_height + above <= survey_.tunnel.height.least() - kFloorClearance;
+}
+
+// ---- The cheapest layout.
 
 constexpr std::size_t kRounds = 2;  // over all freedoms
 
