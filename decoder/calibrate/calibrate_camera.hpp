@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,6 +13,7 @@
 #include "decoder/calibrate/board_adjustment.hpp"
 #include "decoder/calibrate/board_view.hpp"
 #include "decoder/calibrate/camera_form.hpp"
+#include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/pose.hpp"
@@ -107,5 +110,28 @@ bool has_other_focal(const CalibratedSighting& sighting);
 
 // The guess with which a photo is read again: the camera, and where it has the photo's boards.
 BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view);
+
+// ---- From photo files' pixels: read, calibrate, read again knowing the camera, calibrate.
+
+// Photos by their number, loaded when they are needed: twice each. Several threads call it at once.
+struct PhotoSource {
+  std::vector<std::string> files;  // names, for messages and results
+  std::function<Result<GrayImage>(std::size_t)> load;
+};
+
+struct PhotoCalibrationOptions {
+  int jobs = 0;  // photos read at once; 0 = as many as cores
+  // Called after each photo of either reading, one call at a time: progress.
+  std::function<void(std::size_t done, std::size_t of)> on_read;
+};
+
+struct PhotoCalibration {
+  CameraCalibration calibration;
+  std::vector<BoardView> views;  // as read last; calibration's view numbers count these
+};
+
+// Fails as calibrate_camera does, and where a photo cannot be loaded.
+Result<PhotoCalibration> calibrate_photos(const PhotoSource& photos, std::span<const Board> boards,
+                                          const PhotoCalibrationOptions& options = {});
 
 }  // namespace tagsmith::detail

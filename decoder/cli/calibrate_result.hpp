@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "decoder/calibrate/assess.hpp"
-#include "decoder/calibrate/calibrate_photos.hpp"
+#include "decoder/calibrate/calibrate_camera.hpp"
 #include "decoder/calibrate/ray_sigma.hpp"
 #include "tagsmith/tag/board.hpp"
 

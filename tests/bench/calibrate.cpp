@@ -15,7 +15,7 @@
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
-#include "decoder/calibrate/calibrate_photos.hpp"
+#include "decoder/calibrate/calibrate_camera.hpp"
 #include "decoder/calibrate/ray_sigma.hpp"
 #include "decoder/image/load.hpp"
 #include "tests/bench/calibrate_other.hpp"

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/calibrate/assess.hpp"
-#include "decoder/calibrate/calibrate_photos.hpp"
+#include "decoder/calibrate/calibrate_camera.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tests/support/board_photos.hpp"
 
