@@ -135,28 +135,42 @@ std::string series_text(const TagSeries& series) {
       format_number(series.first), series.pairs);
 }
 
-// The plate, and how well the points fit a tunnel of one width. Walls that run through their
-// points, or are rougher than any survey, do not tell, nor is anything known of plates to come.
-std::string tags_text(const SurveyDraft& draft) {
+// How far the points scatter across from the fitted walls, one standard deviation; nothing where
+// that does not tell how well they were measured: in walls that run through their points or are
+// rougher than any survey, of few points, of computed ones, and of plates to come.
+std::optional<double> scatter_across(const SurveyDraft& draft) {
   constexpr double kRoughest = 0.03;
+  constexpr double kFinest = 1e-4;  // lists are written to the millimetre or its tenth
+  constexpr double kLeastFreedom = 5;
   const Tunnel& tunnel = draft.fit.tunnel;
-  if (draft.series) {
-    return "tags:\n  template: " + draft.template_name + "\n" + series_text(*draft.series);
-  }
-  if (!tunnel.left.is_constant() || !tunnel.right.is_constant() ||
-      draft.fit.rms_across > kRoughest) {
-    return "tags: { template: " + draft.template_name + " }\n";
-  }
+  if (draft.series || draft.of_export) return std::nullopt;
+  if (!tunnel.left.is_constant() || !tunnel.right.is_constant()) return std::nullopt;
   const auto points = std::ranges::count_if(draft.fit.residuals, [](const PointResidual& residual) {
     return residual.across.has_value();
   });
-  const double mm = std::max(1.0, std::ceil(1000 * draft.fit.rms_across));
+  // Of a straight line with its width three numbers are fitted, of each further element two.
+  const auto elements = static_cast<double>(tunnel.centerline.elements().size());
+  const double freedom = static_cast<double>(points) - 1 - 2 * elements;
+  if (freedom < kLeastFreedom) return std::nullopt;
+  const double scatter = draft.fit.rms_across * std::sqrt(static_cast<double>(points) / freedom);
+  return scatter < kFinest || scatter > kRoughest ? std::nullopt : std::optional(scatter);
+}
+
+// The plate, and how well the points fit a tunnel of one width.
+std::string tags_text(const SurveyDraft& draft) {
+  if (draft.series) {
+    return "tags:\n  template: " + draft.template_name + "\n" + series_text(*draft.series);
+  }
+  const std::optional<double> scatter = scatter_across(draft);
+  if (!scatter) return "tags: { template: " + draft.template_name + " }\n";
+  const double mm = std::max(1.0, std::ceil(1000 * *scatter));
   return fmt::format(
       "tags:\n"
       "  template: {}\n"
-      "  sigma: {}   # of a coordinate: {} points lie {:.1f} mm rms across from the fitted walls;\n"
+      "  sigma: {}   # of a coordinate: the points scatter by {:.1f} mm across from the fitted "
+      "walls;\n"
       "                 # rounded up to a millimetre. Your instrument may tell better.\n",
-      draft.template_name, format_number(mm / 1000), points, 1000 * draft.fit.rms_across);
+      draft.template_name, format_number(mm / 1000), 1000 * *scatter);
 }
 
 // The keys of an attitude that the drafted wall does not say already.
@@ -265,25 +279,50 @@ std::size_t end_of_part(const std::vector<PairOfTags>& pairs, std::size_t begin,
   return end;
 }
 
+// By how much the origin of a code may lie lower so that its tags get other digits: whole metres,
+// and odd lengths for plates at whole metres of each other. Such shifts stay within the digits that
+// reach below a range.
+std::vector<Eigen::Vector3d> shifts_of_origin() {
+  constexpr int kMost = 9;
+  std::vector<Eigen::Vector3d> shifts{Eigen::Vector3d::Zero()};
+  for (const double step : {1.0, 0.37}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int i = 1; i <= kMost; ++i) shifts.emplace_back(i * step * Eigen::Vector3d::Unit(axis));
+    }
+  }
+  return shifts;
+}
+
+// The digits of the positions; nothing where one has none, or those that are taken.
+std::optional<std::set<Digits>> free_digits(const PositionCode& code,
+                                            const std::vector<Eigen::Vector3d>& positions,
+                                            const std::set<Digits>& taken) {
+  std::set<Digits> digits;
+  for (const Eigen::Vector3d& p : positions) {
+    const auto encoded = encode_position(code, {p.x(), p.y(), p.z()});
+    if (!encoded || taken.contains(encoded->digits)) return std::nullopt;
+    digits.insert(encoded->digits);
+  }
+  return digits;
+}
+
 // A code for the pairs with which none of them has digits that are taken; then theirs are.
-PositionCode untaken_code(std::span<const PairOfTags> pairs, CheckDigit check,
-                          std::set<Digits>& taken) {
-  constexpr int kMostShifts = 9;  // metres: stays within the digits that reach below a range
+Result<PositionCode> untaken_code(std::span<const PairOfTags> pairs, CheckDigit check,
+                                  std::set<Digits>& taken) {
   const std::vector<Eigen::Vector3d> positions = positions_of(pairs);
-  const PositionCode usual = *code_for(positions, check);
-  PositionCode code = usual;
-  for (int shift = 0; shift <= kMostShifts; ++shift, code.origin[0] -= 1) {
-    std::set<Digits> digits;
-    const bool is_free = std::ranges::all_of(positions, [&](const Eigen::Vector3d& p) {
-      const auto encoded = encode_position(code, {p.x(), p.y(), p.z()});
-      if (encoded) digits.insert(encoded->digits);
-      return encoded && !taken.contains(encoded->digits);
-    });
-    if (!is_free) continue;
-    taken.merge(digits);
+  const Result<PositionCode> usual = code_for(positions, check);
+  if (!usual) return usual;
+  for (const Eigen::Vector3d& shift : shifts_of_origin()) {
+    PositionCode code = *usual;
+    for (std::size_t i = 0; i < 3; ++i) code.origin[i] -= shift[static_cast<Eigen::Index>(i)];
+    auto digits = free_digits(code, positions, taken);
+    if (!digits) continue;
+    taken.merge(*digits);
     return code;
   }
-  return usual;
+  return fail("no code was found for the part from " + tag_name(pairs.front().pair, Side::left) +
+              " on with which its tags differ from those of the parts before it: draft the parts "
+              "from lists of their own, and give each another code.origin");
 }
 
 ChainageProfile profile_between(const ChainageProfile& profile, double from, double to) {
@@ -481,6 +520,11 @@ Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft) {
   std::ranges::stable_sort(pairs, {}, &PairOfTags::first);
   const double length = draft.fit.tunnel.centerline.length();
   const double plate = draft.tag.plate_length;
+  const bool has_digits = std::ranges::any_of(
+      draft.points, [](const SurveyedPoint& point) { return !point.digits.empty(); });
+  if (has_digits) {
+    return fail("the list says the digits that are printed on its plates: leave --split out");
+  }
   std::vector<DraftPart> parts;
   std::set<Digits> taken;
   double from = 0;
@@ -497,7 +541,9 @@ Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft) {
     const double to = is_last ? length : std::min(length, std::max(border, last + plate));
     DraftPart part{part_between(draft, run, from, to), from, to};
     part.draft.name += "-" + std::to_string(parts.size() + 1);
-    part.draft.code = untaken_code(run, draft.code.check, taken);
+    const Result<PositionCode> code = untaken_code(run, draft.code.check, taken);
+    if (!code) return tl::unexpected(code.error());
+    part.draft.code = *code;
     parts.push_back(std::move(part));
     if (!is_last) from = std::clamp(pairs[end].first - plate, 0.0, border);
     begin = end;

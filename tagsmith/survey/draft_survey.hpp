@@ -31,6 +31,7 @@ struct SurveyDraft {
   TunnelFit fit;
   std::vector<SurveyedPoint> points;  // their tags become `placed`
   std::optional<TagSeries> series;    // proposed, where no plate hangs yet
+  bool of_export = false;             // the points are those of a survey, computed or not
 };
 
 // A layout to propose, metres.
@@ -66,7 +67,8 @@ struct DraftPart {
 
 // The draft in as few parts along the drive as have codes of one centimetre, named NAME-1, NAME-2
 // and so on; pairs stay together, and no two tags of all parts have one code. Surveyed tags keep
-// their names; a series begins anew in each part. Fails when one pair alone spans too much.
+// their names; a series begins anew in each part. Fails when one pair alone spans too much, when no
+// code keeps a part apart from the others, and where the list says digits.
 Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft);
 
 // The survey file of a draft. Positions of P are those of the list, to the micrometre.

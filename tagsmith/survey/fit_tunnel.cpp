@@ -430,19 +430,52 @@ std::optional<double> listed_start(const WallPlan& plan, const std::vector<Surve
   return median(std::move(starts));
 }
 
+// A point of the line, or of its first element prolonged backwards.
+CenterlinePoint point_before(const Centerline& line, double chainage) {
+  const double curvature = line.elements().front().curvature;
+  if (chainage >= 0 || curvature == 0) return line.at(chainage);
+  CenterlinePoint point = line.at(0);
+  const Vector3d right = right_of(point.heading);
+  point.heading += chainage * curvature;
+  point.position += (right - right_of(point.heading)) / curvature;
+  return point;
+}
+
+// Where points lie beyond an arc at an end of the line, the fit has them along its tangent: the
+// line with these tangents, and how much longer it is at its begin.
+struct WithTangents {
+  std::vector<CenterlineElement> elements;
+  double before = 0;
+};
+
+WithTangents with_tangents(const Centerline& line, double least, double most) {
+  constexpr double kOff = 0.001;  // of the arc, metres
+  WithTangents result{line.elements()};
+  const auto leaves = [&](double beyond, const CenterlineElement& end) {
+    return beyond > 0 && std::abs(end.curvature) * beyond * beyond / 2 > kOff;
+  };
+  const double behind = most - line.length();
+  if (leaves(behind, line.elements().back())) result.elements.push_back({behind, 0, 0});
+  if (!leaves(-least, line.elements().front())) return result;
+  result.before = -least;
+  result.elements.insert(result.elements.begin(), {-least, 0, 0});
+  return result;
+}
+
 // The same line from a plate's length before the first point to as much beyond the last.
 Centerline with_ends(const WallPlan& plan, const std::vector<SurveyedPoint>& points,
                      double margin) {
   const auto& [line, width, residuals, chainages] = plan.fit;
   const auto [least, most] = std::ranges::minmax(chainages);
-  const bool straight = line.elements().front().curvature == 0;
+  const auto [elements, before] = with_tangents(line, least, most);
+  const bool straight = elements.front().curvature == 0;
   double from = least - margin;
-  if (const auto listed = listed_start(plan, points); listed && (*listed >= 0 || straight)) {
-    from = std::min(*listed, most - margin);
-  }
-  if (!straight) from = std::max(from, 0.0);
-  const CenterlinePoint start = line.at(from);
-  return {start.position, start.heading, elements_between(line.elements(), from, most + margin)};
+  const std::optional<double> listed = listed_start(plan, points);
+  if (listed) from = std::min(*listed, most - margin);
+  if (!listed && !straight) from = std::max(from, 0.0);
+  const CenterlinePoint start = straight ? line.at(from) : point_before(line, from);
+  return {start.position, start.heading,
+          elements_between(elements, from + before, most + margin + before)};
 }
 
 // An alignment whole, and a margin more only where points lie beyond a straight end.

@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -582,6 +583,82 @@ TEST_CASE("a drive of 1.2 km is coded coarsely and says so, or is split") {
   CHECK(names.size() == 240);
   const ProgramOutput again = draft(folder.path(), csv, arguments + " --split");
   CHECK(again.exit_code == 2);  // never overwrites
+}
+
+TEST_CASE("parts of a split draft never share a code, also with plates at whole metres") {
+  std::string csv;
+  for (int y = 0; y <= 1500; y += 10) {
+    for (const auto& [aside, code] : {std::pair(-2, "WL"), {2, "WR"}, {0, "CL"}}) {
+      csv += fmt::format("p,{},{},100,{}\n", 5000 + y, 2000 - aside, code);
+    }
+  }
+  const TemporaryFolder folder;
+  const ProgramOutput made = draft(
+      folder.path(), csv, "--order PENZD --tunnel-height 2.8 --height 1.2 --spacing 0.6 --split");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  std::set<Digits> codes;
+  std::size_t tags = 0;
+  for (const char* name : {"survey-1.yaml", "survey-2.yaml"}) {
+    const Survey part = load_survey(folder.path() / "out" / name).value();
+    for (const PlacedTag& tag : part.tags) {
+      codes.insert(tag.digits);
+      ++tags;
+    }
+  }
+  CHECK(tags > 2900);
+  CHECK(codes.size() == tags);
+}
+
+TEST_CASE("a drive that begins with an arc keeps its chainages") {
+  const TemporaryFolder folder;
+  const fs::path survey = folder.path() / "arc.yaml";
+  write_text(survey, R"(survey: arc
+tunnel:
+  width: 3.0
+  height: 2.8
+  centerline:
+    start: [0.0, 0.0, 0.0]
+    heading: 20
+    elements:
+      - { arc: 40.0, turn: right, angle: 40 }
+tags: { template: tag-400x300, height: 1.2, spacing: 1.1, first: 5.0, pairs: 12 }
+code: { check_digit: gs1, resolution: 0.01, digits: [4, 4, 3], origin: [-10, -10, -1] }
+)");
+  const fs::path csv = folder.path() / "arc.csv";
+  REQUIRE(run_tagsmith("export " + quoted(survey) + " -o " + quoted(csv)).exit_code == 0);
+  const ProgramOutput made = draft(folder.path(), read_file(csv).value(), "--order own");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const Survey before = load_survey(survey).value();
+  const Survey after = load_survey(folder.path() / "out" / "survey.yaml").value();
+  REQUIRE(after.tags.size() == before.tags.size());
+  for (std::size_t i = 0; i < after.tags.size(); ++i) {
+    CHECK(std::abs(after.tags[i].chainage - before.tags[i].chainage) < 1e-4);
+  }
+}
+
+TEST_CASE("points along the tangent of an arc make a straight element, as they were fitted") {
+  // A quarter circle of 30 m, and one point of each wall 20 m further straight on.
+  std::string csv;
+  const auto add = [&](const Eigen::Vector2d& p, const Eigen::Vector2d& right) {
+    for (const auto& [aside, code] : {std::pair(-2.0, "WL"), {2.0, "WR"}, {0.0, "CL"}}) {
+      const Eigen::Vector2d at = p + aside * right;
+      csv += fmt::format("p,{:.4f},{:.4f},100,{}\n", at.x(), at.y(), code);
+    }
+  };
+  for (int deg = 0; deg <= 90; deg += 3) {
+    const Eigen::Vector2d outward(std::cos(radians(deg)), std::sin(radians(deg)));
+    add(Eigen::Vector2d(470, 1020) + 30 * outward, outward);
+  }
+  add({450, 1050}, {0, 1});
+  const TemporaryFolder folder;
+  const ProgramOutput made =
+      draft(folder.path(), csv, "--order PENZD --tunnel-height 3 --height 1.2 --spacing 2");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const Centerline line =
+      load_survey(folder.path() / "out" / "survey.yaml").value().tunnel.centerline;
+  CHECK(std::abs(line.locate({450, 1050}).offset) < 0.03);
+  const double end = line.length();
+  CHECK((line.at(end).position.head<2>() - Eigen::Vector2d(450 - 0.4, 1050)).norm() < 0.1);
 }
 
 TEST_CASE("JSON says survey, code, tunnel and each tag, the field layout its poses") {
