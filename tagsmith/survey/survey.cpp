@@ -2,6 +2,7 @@
 #include "tagsmith/survey/survey.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +19,29 @@ const PlacedTag* find_if(const Survey& survey, const auto& matches) {
   return tag == survey.tags.end() ? nullptr : &*tag;
 }
 
+// Numbers of the EPSG register (version 10.076) from the first to the last of each row that are
+// systems in degrees, in feet or other lengths that are no metres, or of heights alone, and among
+// which none is in metres. Of longer rows; many others have a number or two.
+struct NumberRange {
+  int first;
+  int last;
+};
+constexpr std::array kNotInMetres{
+    NumberRange{2222, 2289},   NumberRange{2867, 2930},   NumberRange{3417, 3438},
+    NumberRange{3451, 3459},   NumberRange{3560, 3570},   NumberRange{3728, 3739},
+    NumberRange{4000, 4025},   NumberRange{4027, 4036},   NumberRange{4039, 4047},
+    NumberRange{4120, 4389},   NumberRange{4399, 4413},   NumberRange{4418, 4433},
+    NumberRange{4490, 4490},   NumberRange{4600, 4646},   NumberRange{4657, 4765},
+    NumberRange{4801, 4811},   NumberRange{4813, 4821},   NumberRange{4882, 5013},
+    NumberRange{5368, 5381},   NumberRange{5600, 5625},   NumberRange{5709, 5799},
+    NumberRange{5861, 5874},   NumberRange{6128, 6141},   NumberRange{6178, 6187},
+    NumberRange{6317, 6325},   NumberRange{7034, 7073},   NumberRange{7119, 7128},
+    NumberRange{7587, 7686},   NumberRange{7832, 7844},   NumberRange{7900, 7931},
+    NumberRange{8226, 8267},   NumberRange{8397, 8431},   NumberRange{8518, 8675},
+    NumberRange{8860, 8902},   NumberRange{8915, 8949},   NumberRange{8972, 9019},
+    NumberRange{9053, 9140},   NumberRange{9392, 9403},   NumberRange{9775, 9784},
+    NumberRange{26729, 26813}, NumberRange{26847, 26870}, NumberRange{32001, 32058}};
+
 }  // namespace
 
 // Why: docs/decisions/0001-frames-and-grids.md.
@@ -32,12 +56,13 @@ Eigen::Vector3d grid_from_world(const Grid& grid, const Eigen::Vector3d& point_i
 
 std::optional<int> parse_crs(std::string_view text) {
   constexpr std::string_view kRegister = "EPSG:";
-  constexpr std::array kInDegrees{4326, 4258, 4269, 4267, 4979, 4171};
   if (!text.starts_with(kRegister)) return std::nullopt;
   const std::optional<int> number = parse_integer(text.substr(kRegister.size()));
   if (!number || *number < 1024 || *number > 999'999) return std::nullopt;
-  if (std::ranges::find(kInDegrees, *number) != kInDegrees.end()) return std::nullopt;
-  return number;
+  const bool in_metres = std::ranges::none_of(kNotInMetres, [&](const NumberRange& range) {
+    return *number >= range.first && *number <= range.last;
+  });
+  return in_metres ? number : std::nullopt;
 }
 
 double world_heading_from_grid(const Grid& grid, double heading) {
