@@ -40,9 +40,10 @@ struct NewOptions {
   std::string name;
   std::string points;
   PointListOptions list;
-  std::string template_name = "tag-400x300";
-  std::string x_axis = "right";
-  std::string check_digit = "gs1";
+  // Empty: what the list says, else what the help says.
+  std::string template_name;
+  std::string x_axis;
+  std::string check_digit;
   std::string walls = "parallel";
   double tolerance_mm = 30;
   std::optional<double> mount_height;
@@ -145,6 +146,39 @@ Result<void> check_layout(const NewOptions& options, const PointList& list) {
               "--first M and --to M");
 }
 
+// Options may not say what the list says otherwise.
+Result<void> check_options(const NewOptions& options, const PointList& list) {
+  struct Said {
+    const char* option;
+    std::string value;
+    std::string listed;
+  };
+  const auto any = [&](const auto& matches) { return std::ranges::any_of(list.points, matches); };
+  const bool has_floor = any([](const SurveyedPoint& point) {
+    const bool is_floor = point.kind == PointKind::floor || point.kind == PointKind::centerline;
+    return point.height || (is_floor && point.has_height);
+  });
+  const bool has_roof = any([](const SurveyedPoint& point) {
+    return point.tunnel_height || point.kind == PointKind::roof;
+  });
+  if (options.mount_height && has_floor) {
+    return fail("--mount-height is for lists that do not say the floor (CL, FL): leave it out");
+  }
+  if (options.tunnel_height && has_roof) {
+    return fail("--tunnel-height is for lists that do not say the roof (RF): leave it out");
+  }
+  if (!list.survey) return {};
+  for (const Said& said :
+       {Said{"--template", options.template_name, list.survey->tag_template},
+        Said{"--x-axis", options.x_axis, list.survey->grid.x_axis_left ? "left" : "right"},
+        Said{"--check-digit", options.check_digit, to_string(list.survey->code.check)}}) {
+    if (said.value.empty() || said.value == said.listed) continue;
+    return fail(std::string(said.option) + " " + said.value + ": the list says " + said.listed +
+                ": leave the option out");
+  }
+  return {};
+}
+
 // What is wrong with single points is said before a fit that would only suffer from it.
 Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>& warnings) {
   Result<Diagnosed<PointList>> reading = read_point_list(options.points, options.list);
@@ -154,12 +188,33 @@ Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>
   PointList& list = *reading->value;
   FindingLog log(options.points);
   if (const auto doubt = doubt_of_unit(list.points); doubt && !list.unit_is_known) {
-    return fail(options.points + ": " + *doubt);
+    const std::string unit =
+        list.metres_per_unit == 1
+            ? ""
+            : "\nthe file says a unit of " + format_number(list.metres_per_unit, 9) + " m";
+    return fail(options.points + ": " + *doubt + unit);
   }
   check_exchanged(list.points, log);
   if (log.has_errors()) return fail(to_string(log.sorted(), true));
   if (auto layout = check_layout(options, list); !layout) return fail(layout.error().message);
+  if (auto said = check_options(options, list); !said) {
+    return fail(options.points + ": " + said.error().message);
+  }
   return std::move(list);
+}
+
+// As the option says, else as all digits of the list have it.
+CheckDigit check_digit_of(const NewOptions& options, const std::vector<SurveyedPoint>& points) {
+  if (const auto asked = parse_check_digit(options.check_digit)) return *asked;
+  const bool is_sum10 = std::ranges::all_of(points, [](const SurveyedPoint& point) {
+    const auto digits = parse_digits(point.digits);
+    return !digits || has_check_digit(CheckDigit::sum10, *digits);
+  });
+  const bool has_gs1 = std::ranges::all_of(points, [](const SurveyedPoint& point) {
+    const auto digits = parse_digits(point.digits);
+    return !digits || has_check_digit(CheckDigit::gs1, *digits);
+  });
+  return is_sum10 && !has_gs1 ? CheckDigit::sum10 : CheckDigit::gs1;
 }
 
 // Tags get names, or are proposed, and a code.
@@ -173,7 +228,7 @@ Result<void> complete_tags(const NewOptions& options, const std::optional<Listed
     draft.series = *series;
   }
   number_tags(draft.points, draft.fit);
-  draft.code.check = *parse_check_digit(options.check_digit);
+  draft.code.check = check_digit_of(options, draft.points);
   if (options.split && listed) {
     return fail("the list says the code that is printed on its plates: leave --split out");
   }
@@ -189,6 +244,7 @@ struct Drafted {
   SurveyDraft whole;
   std::vector<DraftPart> parts;  // what is written, one at least
   std::vector<Diagnostic> warnings;
+  double metres_per_unit = 1;  // of the list's numbers
 };
 
 Result<std::vector<DraftPart>> parts_of(const NewOptions& options, const SurveyDraft& draft) {
@@ -198,6 +254,15 @@ Result<std::vector<DraftPart>> parts_of(const NewOptions& options, const SurveyD
   return whole;
 }
 
+// Walls beside a center line are as far apart as was asked for, whatever was fitted through points
+// on them.
+void hold_width(Tunnel& tunnel, double width) {
+  if (!tunnel.left.is_constant() || !tunnel.right.is_constant()) return;
+  const Tunnel wished = plain_tunnel(width, 0, tunnel.centerline);
+  tunnel.left = wished.left;
+  tunnel.right = wished.right;
+}
+
 Result<Drafted> make_draft(const NewOptions& options) {
   Drafted drafted;
   Result<PointList> list = read_points(options, drafted.warnings);
@@ -205,7 +270,11 @@ Result<Drafted> make_draft(const NewOptions& options) {
   SurveyDraft& draft = drafted.whole;
   draft.name = survey_name(options);
   draft.source = fs::path(options.points).filename().string();
-  draft.template_name = list->survey ? list->survey->tag_template : options.template_name;
+  drafted.metres_per_unit = list->metres_per_unit;
+  draft.of_export = list->survey.has_value();
+  draft.template_name = list->survey                    ? list->survey->tag_template
+                        : options.template_name.empty() ? "tag-400x300"
+                                                        : options.template_name;
   draft.grid = list->survey ? list->survey->grid : Grid{options.x_axis == "left"};
   if (!draft.grid.x_axis_left) draft.grid.epsg = list->epsg;
   if (options.width) {
@@ -220,9 +289,10 @@ Result<Drafted> make_draft(const NewOptions& options) {
   Result<TunnelFit> fit = fit_tunnel(list->points, draft.grid, *tag, fitted);
   if (!fit) return fail(options.points + ": " + fit.error().message);
   draft.fit = std::move(*fit);
+  if (options.width) hold_width(draft.fit.tunnel, *options.width);
   draft.points = std::move(list->points);
   FindingLog log(options.points);
-  if (!list->survey) check_heights(draft.points, draft.fit, log);
+  if (options.list.order != "own") check_heights(draft.points, draft.fit, log);
   std::ranges::move(log.sorted(), std::back_inserter(drafted.warnings));
   if (auto tags = complete_tags(options, list->survey, draft); !tags) {
     return fail(options.points + ": " + tags.error().message);
@@ -293,10 +363,12 @@ void print_json(const NewOptions& options, const Drafted& drafted) {
                                  {"rms_across", length(draft.fit.rms_across)},
                                  {"rms_up", length(draft.fit.rms_up)},
                                  {"alignment_off", length(alignment_off(draft))},
+                                 {"metres_per_unit", drafted.metres_per_unit},
                                  {"surveys", parts}}}}));
 }
 
-void print_table(const SurveyDraft& draft) {
+void print_table(const Drafted& drafted) {
+  const SurveyDraft& draft = drafted.whole;
   const auto mm = [](const std::optional<double>& value) {
     return value ? fmt::format("{:+.1f}", *value * 1000 + 0.0) : std::string("-");
   };
@@ -320,6 +392,9 @@ void print_table(const SurveyDraft& draft) {
             elements, elements == 1 ? "" : "s");
   to_stdout("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
             draft.fit.rms_up * 1000);
+  if (drafted.metres_per_unit != 1) {
+    to_stdout("the list was read in units of {} m\n", format_number(drafted.metres_per_unit, 9));
+  }
   if (const auto off = alignment_off(draft)) {
     to_stdout("the center line is at most {:.1f} mm off the file's alignment\n", *off * 1000);
   }
@@ -390,10 +465,10 @@ Result<int> write_draft(const NewOptions& options) {
   for (const Diagnostic& warning : drafted->warnings) {
     to_stderr("{}", Lines{printer.text_of(warning)});
   }
-  options.json ? print_json(options, *drafted) : print_table(drafted->whole);
+  options.json ? print_json(options, *drafted) : print_table(*drafted);
   if (!options.json) print_parts(*drafted);
   std::fflush(stdout);  // residuals before findings
-  report_resolution(drafted->parts.front().draft);
+  if (!drafted->whole.of_export) report_resolution(drafted->parts.front().draft);
   int worst = kExitOk;
   for (const NamedText& file : files) {
     const Result<int> code = report_draft(options, file.name, printer);

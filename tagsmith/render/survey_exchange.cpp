@@ -16,6 +16,7 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
+#include "tagsmith/survey/point_list.hpp"
 
 namespace tagsmith::detail {
 
@@ -365,6 +366,22 @@ std::string alignment_xml(const Survey& survey) {
                     name, profile);
 }
 
+// What holds for all tags, by the columns of the CSV.
+std::vector<std::pair<std::string, std::string>> listed_survey(const Survey& survey) {
+  const PositionCode& code = survey.code;
+  std::vector<std::pair<std::string, std::string>> listed{
+      {"template", survey.tag_template.name},
+      {"check_digit", to_string(code.check)},
+      {"x_axis", survey.grid.x_axis_left ? "left" : "right"}};
+  constexpr std::array kAxes{"x", "y", "z"};
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    listed.emplace_back(std::string("digits_") + kAxes[i], std::to_string(code.digit_counts[i]));
+    listed.emplace_back(std::string("resolution_") + kAxes[i], format_number(code.resolution[i]));
+    listed.emplace_back(std::string("origin_") + kAxes[i], format_number(code.origin[i]));
+  }
+  return listed;
+}
+
 // A word of 16 characters of data: index, information and unit, sign, data.
 std::string gsi_text(const std::string& index, const std::string& text) {
   return fmt::format("{}+{:0>16} ", index, text);
@@ -374,6 +391,22 @@ std::string gsi_text(const std::string& index, const std::string& text) {
 std::string gsi_length(const std::string& index, double metres) {
   const auto tenths = std::llround(std::abs(metres) * 1e4);
   return fmt::format("{}..06{}{:016} ", index, metres < 0 && tenths != 0 ? '-' : '+', tenths);
+}
+
+// A block 41 with the name in word 42 and the text in 43 to 49, behind signs of equality, since
+// zeros on the left are padding.
+std::string gsi_listed(int block, const std::string& name, const std::string& text) {
+  constexpr std::size_t kPart = 15;
+  constexpr int kLastWord = 49;
+  std::string line =
+      "*" + gsi_text(fmt::format("41{:04}", block), kListedSurvey) + gsi_text("42....", "=" + name);
+  for (int word = 43; word <= kLastWord; ++word) {
+    const std::size_t from = kPart * static_cast<std::size_t>(word - 43);
+    if (from < text.size()) {
+      line += gsi_text(std::to_string(word) + "....", "=" + text.substr(from, kPart));
+    }
+  }
+  return line + "\r\n";
 }
 
 }  // namespace
@@ -386,6 +419,10 @@ std::string render_landxml(const Survey& survey) {
     points += fmt::format("    <CgPoint name=\"{0}\" code=\"{0}\" desc=\"{1}\">{2} {3}</CgPoint>\n",
                           tag.name, to_string(tag.digits), plane_text(tag.p_in_grid),
                           format_number(tag.p_in_grid.z()));
+  }
+  std::string listed;
+  for (const auto& [name, text] : listed_survey(survey)) {
+    listed += fmt::format("      <Property label=\"{}\" value=\"{}\"/>\n", name, markup_text(text));
   }
   std::string crs;
   if (survey.grid.epsg != 0) {
@@ -400,12 +437,14 @@ std::string render_landxml(const Survey& survey) {
              "</Units>\n{}  <Application name=\"tagsmith\"/>\n",
              date, crs) +
          alignment_xml(survey) + "  <CgPoints name=\"tags\">\n" + points +
+         fmt::format("    <Feature code=\"{}\">\n{}    </Feature>\n", kListedSurvey, listed) +
          "  </CgPoints>\n</LandXML>\n";
 }
 
 std::string render_gsi(const Survey& survey) {
   std::string text;
   int block = 0;
+  for (const auto& [name, value] : listed_survey(survey)) text += gsi_listed(++block, name, value);
   for (const PlacedTag& tag : survey.tags) {
     const Vector3d& p = tag.p_in_grid;
     text += "*" + gsi_text(fmt::format("11{:04}", ++block % 10'000), tag.name) +

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <pugixml.hpp>
 
@@ -10,8 +12,9 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/survey/length_units.hpp"
 #include "tagsmith/survey/point_formats.hpp"
-#include "tagsmith/survey/survey.hpp"
+#include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/tunnel_limits.hpp"
+#include "tagsmith/survey/vertical_profile.hpp"
 #include "tagsmith/survey/xml_document.hpp"
 
 namespace tagsmith::detail {
@@ -39,6 +42,10 @@ std::optional<Vector2d> place_of(const pugi::xml_node& node) {
   const std::vector<double> numbers = numbers_of(node);
   if (numbers.size() < 2) return std::nullopt;
   return Vector2d(numbers[1], numbers[0]);
+}
+
+std::optional<double> number_at(const pugi::xml_node& node, const char* key) {
+  return parse_number(node.attribute(key).value());
 }
 
 std::string description_of(const pugi::xml_node& point) {
@@ -99,8 +106,15 @@ Vector2d along(const Piece& piece, double distance) {
 
 // The radius at the key as a curvature; INF is straight.
 double curvature_at(const pugi::xml_node& node, const char* key, double sign) {
-  const auto radius = parse_number(node.attribute(key).value());
+  const auto radius = number_at(node, key);
   return radius && *radius != 0 ? sign / *radius : 0;
+}
+
+// 1 to the right, -1 to the left; nothing where the node does not say it.
+std::optional<double> rotation_of(const pugi::xml_node& node) {
+  const std::string rotation = node.attribute("rot").value();
+  if (rotation == "cw") return 1;
+  return rotation == "ccw" ? std::optional(-1.0) : std::nullopt;
 }
 
 std::optional<Piece> read_piece(const pugi::xml_node& node) {
@@ -110,55 +124,169 @@ std::optional<Piece> read_piece(const pugi::xml_node& node) {
   if (!start || !end || *start == *end) return std::nullopt;
   Piece piece{*start, *end, heading_of(*end - *start), (*end - *start).norm(), 0, 0};
   if (kind == "Line") return piece;
-  const double sign = node.attribute("rot").value() == std::string("cw") ? 1 : -1;
+  const auto sign = rotation_of(node);
+  if (!sign) return std::nullopt;
   if (kind == "Curve") {
     const auto centre = place_of(node.child("Center"));
     if (!centre) return std::nullopt;
     const Vector2d from = *start - *centre;
     const Vector2d to = *end - *centre;
-    double turned = sign * (heading_of(to) - heading_of(from));
+    double turned = *sign * (heading_of(to) - heading_of(from));
     if (turned < 0) turned += 2 * std::numbers::pi;
-    piece.curvature = sign / from.norm();
+    piece.curvature = *sign / from.norm();
     piece.length = turned * from.norm();
-    piece.heading = heading_of(from) + sign * std::numbers::pi / 2;
+    piece.heading = heading_of(from) + *sign * std::numbers::pi / 2;
     return piece;
   }
   const auto corner = place_of(node.child("PI"));
   const std::string type = node.attribute("spiType").value();
-  const auto length = parse_number(node.attribute("length").value());
+  const auto length = number_at(node, "length");
   if (kind != "Spiral" || !corner || !length || *length <= 0 ||
       (!type.empty() && type != "clothoid")) {
     return std::nullopt;
   }
   piece.length = *length;
   piece.heading = heading_of(*corner - *start);
-  piece.curvature = curvature_at(node, "radiusStart", sign);
-  piece.change = (curvature_at(node, "radiusEnd", sign) - piece.curvature) / *length;
+  piece.curvature = curvature_at(node, "radiusStart", *sign);
+  piece.change = (curvature_at(node, "radiusEnd", *sign) - piece.curvature) / *length;
   return piece;
 }
 
-// Chainages and heights of a profile; empty where the alignment has none.
-std::vector<Vector2d> profile_of(const pugi::xml_node& alignment) {
-  std::vector<Vector2d> profile;
-  for (const pugi::xml_node& node : alignment.child("Profile").child("ProfAlign").children()) {
-    const std::vector<double> numbers = numbers_of(node);
-    if (numbers.size() == 2) profile.emplace_back(numbers[0], numbers[1]);
+// Whether an angle is that many radians: files write it in degrees, also as dd.mmss, in gon or in
+// radians, and their units are often not those that they name.
+bool is_angle(double given, double radians) {
+  constexpr double kSame = 2e-3;
+  const double whole = std::floor(given);
+  const double minutes = std::floor(100 * (given - whole) + 1e-6);
+  const double seconds = 1e4 * (given - whole) - 100 * minutes;
+  const double sexagesimal = whole + minutes / 60 + seconds / 3600;
+  const double degree = std::numbers::pi / 180;
+  return std::ranges::any_of(
+      std::array{given, given * degree, 0.9 * given * degree, sexagesimal * degree},
+      [&](double each) { return std::abs(each - radians) <= kSame * std::max(1.0, radians); });
+}
+
+// Whether the piece ends where it says and is as long, as tight and as wide in its angle, as far as
+// the node says so.
+bool agrees(const pugi::xml_node& node, const Piece& piece, double metre) {
+  constexpr double kGap = 0.02;    // metres, as elements may leave between them
+  constexpr double kScale = 1e-3;  // of a length: on the ground and in the grid
+  const auto is_length = [&](const char* key, double length) {
+    const auto given = number_at(node, key);
+    return !given || std::abs(*given - length) <= std::max(kGap * metre, kScale * length);
+  };
+  if ((along(piece, piece.length) - piece.end).norm() > kGap * metre) return false;
+  if (!is_length("length", piece.length)) return false;
+  if (piece.curvature == 0 || piece.change != 0) return true;
+  const auto delta = number_at(node, "delta");
+  return is_length("radius", 1 / std::abs(piece.curvature)) &&
+         (!delta || is_angle(std::abs(*delta), piece.length * std::abs(piece.curvature)));
+}
+
+// ---- The profile.
+
+// Nothing for what is no point of a profile, or lacks a number.
+std::optional<GradeChange> read_grade_change(const pugi::xml_node& node) {
+  const std::string kind = node.name();
+  const std::vector<double> numbers = numbers_of(node);
+  if (numbers.size() != 2) return std::nullopt;
+  GradeChange change{{numbers[0], numbers[1]}};
+  if (kind == "PVI") return change;
+  const auto length = number_at(node, "length");
+  if (kind == "CircCurve") {
+    change.radius = number_at(node, "radius");
+    change.arc_length = length;
+    return change.radius && *change.radius != 0 ? std::optional(change) : std::nullopt;
   }
-  return profile;
+  if (kind != "ParaCurve" && kind != "UnsymParaCurve") return std::nullopt;
+  const bool even = kind == "ParaCurve";
+  const auto before = even ? length : number_at(node, "lengthIn");
+  const auto behind = even ? length : number_at(node, "lengthOut");
+  if (!before || !behind || *before < 0 || *behind < 0) return std::nullopt;
+  change.before = even ? *before / 2 : *before;
+  change.behind = even ? *behind / 2 : *behind;
+  return change;
 }
 
-double height_at(const std::vector<Vector2d>& profile, double chainage) {
-  const auto next =
-      std::ranges::find_if(profile, [&](const Vector2d& p) { return p.x() >= chainage; });
-  if (next == profile.begin()) return profile.front().y();
-  if (next == profile.end()) return profile.back().y();
-  const Vector2d& before = *std::prev(next);
-  return before.y() + (chainage - before.x()) / (next->x() - before.x()) * (next->y() - before.y());
+std::string advice_to_ignore(const std::string& name) {
+  return "export the alignment again, or leave it out: --ignore " + name.substr(0, 60);
 }
 
-// The piece cut where the profile has a corner, so that each element has one grade.
-void add_elements(const Piece& piece, double chainage, const std::vector<Vector2d>& profile,
-                  DesignedLine& line) {
+// Nothing, with its error logged, where the profile cannot be read.
+std::optional<VerticalProfile> read_profile(const pugi::xml_node& node, double metre,
+                                            const TextPlaces& places, FindingLog& log) {
+  constexpr double kSag = 0.001;  // metres
+  const std::string name = std::string(node.attribute("name").value()).substr(0, 60);
+  std::vector<GradeChange> changes;
+  for (const pugi::xml_node& each : node.children()) {
+    if (each.type() != pugi::node_element || each.name() == std::string("Feature")) continue;
+    const auto change = read_grade_change(each);
+    if (!change) {
+      log.error({line_of(each, places), 0}, "bad-element",
+                fmt::format("{} of profile {}: expected a PVI, ParaCurve, UnsymParaCurve or "
+                            "CircCurve with station, height and the curve's length or radius",
+                            each.name(), name),
+                advice_to_ignore(name));
+      return std::nullopt;
+    }
+    changes.push_back(*change);
+  }
+  Result<VerticalProfile> profile = profile_of_grades(changes, kSag * metre);
+  if (profile && profile->size() < 2) profile = fail("expected two points at least");
+  if (profile) return *profile;
+  log.error({line_of(node, places), 0}, "bad-element",
+            "profile " + name + ": " + profile.error().message, advice_to_ignore(name));
+  return std::nullopt;
+}
+
+// The one profile of the alignment that is not to be ignored, empty where there is none. Nothing,
+// with its error logged, where there are several, or it cannot be read.
+std::optional<VerticalProfile> profile_of(const pugi::xml_node& alignment, double metre,
+                                          const std::vector<std::string>& ignore,
+                                          const TextPlaces& places, FindingLog& log) {
+  std::vector<pugi::xml_node> profiles;
+  std::string names;
+  for (const pugi::xml_node& group : alignment.children("Profile")) {
+    for (const pugi::xml_node& each : group.children("ProfAlign")) {
+      const std::string name = each.attribute("name").value();
+      if (std::ranges::find(ignore, name) != ignore.end()) continue;
+      names += (names.empty() ? "" : ", ") + name.substr(0, 60);
+      profiles.push_back(each);
+    }
+  }
+  if (profiles.empty()) return VerticalProfile{};
+  if (profiles.size() == 1) return read_profile(profiles[0], metre, places, log);
+  log.error({line_of(profiles[1], places), 0}, "several-alignments",
+            "several profiles of one alignment: " + names.substr(0, 300),
+            "leave all but one out: --ignore NAME,NAME");
+  return std::nullopt;
+}
+
+// Logs where an alignment, between two stations, has no heights.
+void check_reach(const VerticalProfile& profile, double from, double to, double slack, int line,
+                 const std::string& name, FindingLog& log) {
+  if (profile.empty()) return;
+  const double first = profile.front().x();
+  const double last = profile.back().x();
+  const std::string stretches = fmt::format(
+      "the profile of alignment {} goes from station {} to {}, the alignment from {} to {}",
+      name.substr(0, 60), format_number(first, 3), format_number(last, 3), format_number(from, 3),
+      format_number(to, 3));
+  if (first >= to || last <= from) {
+    log.error({line, 0}, "short-profile", stretches,
+              "correct the alignment's first station, staStart, or the profile's stations");
+  } else if (!reaches(profile, from, slack) || !reaches(profile, to, slack)) {
+    log.warning({line, 0}, "short-profile",
+                stretches + ": beyond the profile the floor goes on with its grade there",
+                "give the profile the alignment's length, or points of the floor (FL) there");
+  }
+}
+
+// ---- The alignment's points.
+
+// Where the piece is cut, from 0 to its length: where the profile has a corner, so that each
+// element has one grade.
+std::vector<double> cuts_of(const Piece& piece, double chainage, const VerticalProfile& profile) {
   constexpr double kLeast = 0.01;  // of the file's unit
   std::vector<double> cuts{0};
   for (const Vector2d& corner : profile) {
@@ -166,10 +294,25 @@ void add_elements(const Piece& piece, double chainage, const std::vector<Vector2
     if (at > cuts.back() + kLeast && at < piece.length - kLeast) cuts.push_back(at);
   }
   cuts.push_back(piece.length);
+  return cuts;
+}
+
+void add_elements(const Piece& piece, const std::vector<double>& cuts, DesignedLine& line) {
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
     line.elements.push_back({cuts[i + 1] - cuts[i], piece.curvature + cuts[i] * piece.change,
                              piece.curvature + cuts[i + 1] * piece.change});
   }
+}
+
+// Distances along a piece: its cuts, and others between them at most a step apart.
+std::vector<double> steps_between(const std::vector<double>& cuts, double step) {
+  std::vector<double> distances{0};
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+    const double length = cuts[i + 1] - cuts[i];
+    const int count = std::max(1, static_cast<int>(std::ceil(length / step)));
+    for (int k = 1; k <= count; ++k) distances.push_back(cuts[i] + length * k / count);
+  }
+  return distances;
 }
 
 // Where a piece ends.
@@ -178,24 +321,34 @@ struct PieceEnd {
   Vector2d at{0, 0};
 };
 
-// Whether the elements, put to each other without bends, pass through the pieces' ends.
-bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double gap) {
+// Whether a survey can have the elements, and these, put to each other without bends, pass through
+// the pieces' ends.
+bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double metre) {
+  constexpr double kGap = 0.005;  // metres
   if (line.elements.empty() || line.elements.size() > kMostElements) return false;
+  const auto is_usable = [&](double curvature) {
+    return curvature == 0 || std::abs(curvature) * kLongest * metre >= 1;
+  };
+  const bool usable = std::ranges::all_of(line.elements, [&](const DesignedElement& element) {
+    return is_usable(element.from) && is_usable(element.to);
+  });
+  if (!usable) return false;
   const Centerline chain = line_in_world(line, {});
   return std::ranges::all_of(ends, [&](const PieceEnd& end) {
-    return (chain.at(end.along).position.head<2>() - end.at).norm() <= gap;
+    return (chain.at(end.along).position.head<2>() - end.at).norm() <= kGap * metre;
   });
 }
 
-void sample_alignment(const pugi::xml_node& alignment, double metre, const TextPlaces& places,
+void sample_alignment(const pugi::xml_node& alignment, double metre,
+                      const std::vector<std::string>& ignore, const TextPlaces& places,
                       RawPoints& result, FindingLog& log) {
-  constexpr double kStep = 0.5;      // metres
-  constexpr double kGap = 0.02;      // that elements may leave between them
-  constexpr double kJoined = 0.005;  // that the whole may be off a piece's end
-  constexpr double kLongest = 2e4;   // metres of alignment: bounds the points
+  constexpr double kStep = 0.5;     // metres
+  constexpr double kSlack = 0.01;   // that the profile may be shorter
+  constexpr double kLongest = 2e4;  // metres of alignment: bounds the points
   const std::string name = alignment.attribute("name").value();
-  const std::vector<Vector2d> profile = profile_of(alignment);
-  double chainage = parse_number(alignment.attribute("staStart").value()).value_or(0);
+  const auto profile = profile_of(alignment, metre, ignore, places, log);
+  if (!profile) return;
+  const double first = number_at(alignment, "staStart").value_or(0);
   double sampled = 0;
   DesignedLine whole;
   std::vector<PieceEnd> ends;
@@ -203,30 +356,34 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, const TextP
     if (node.type() != pugi::node_element) continue;
     const int line = line_of(node, places);
     const auto piece = read_piece(node);
-    const bool closes = piece && (along(*piece, piece->length) - piece->end).norm() <= kGap * metre;
-    if (closes) sampled += piece->length;
-    if (!closes || sampled > kLongest * metre) {
-      log.error(
-          {line, 0}, "bad-element",
-          fmt::format("{} of alignment {}: {}", node.name(), name.substr(0, 60),
-                      piece ? "its numbers contradict each other, or it is too long"
-                            : "expected a Line, Curve or clothoid Spiral with all its points"),
-          "export the alignment again, or leave it out: --ignore " + name.substr(0, 60));
+    const double chainage = first + sampled;
+    if (piece) sampled += piece->length;
+    if (!piece || !agrees(node, *piece, metre) || sampled > kLongest * metre) {
+      log.error({line, 0}, "bad-element",
+                fmt::format("{} of alignment {}: {}", node.name(), name.substr(0, 60),
+                            piece ? "its numbers contradict each other, or it is too long"
+                                  : "expected a Line, Curve or clothoid Spiral with all its "
+                                    "points, and rot=\"cw\" or \"ccw\" where it bends"),
+                advice_to_ignore(name));
       return;
     }
     if (whole.elements.empty()) whole = {piece->start, piece->heading, {}};
-    add_elements(*piece, chainage, profile, whole);
+    const std::vector<double> cuts = cuts_of(*piece, chainage, *profile);
+    add_elements(*piece, cuts, whole);
     ends.push_back({sampled, piece->end});
-    const int count = std::max(1, static_cast<int>(std::ceil(piece->length / (kStep * metre))));
-    for (int i = 0; i <= count; ++i) {
-      const double s = piece->length * i / count;
+    for (const double s : steps_between(cuts, kStep * metre)) {
       const Vector2d p = along(*piece, s);
-      const double z = profile.empty() ? 0 : height_at(profile, chainage + s);
-      add_point(result, {line, name, "CL", {p.x(), p.y(), z}, !profile.empty(), true}, log);
+      const bool has_height = reaches(*profile, chainage + s, kSlack * metre);
+      const double z = has_height ? height_at(*profile, chainage + s) : 0;
+      RawPoint point{line, name, "CL", {p.x(), p.y(), z}};
+      point.has_height = has_height;
+      point.of_alignment = true;
+      add_point(result, std::move(point), log);
     }
-    chainage += piece->length;
   }
-  if (joins(whole, ends, kJoined * metre)) result.alignment = std::move(whole);
+  check_reach(*profile, first, first + sampled, kSlack * metre, line_of(alignment, places), name,
+              log);
+  if (joins(whole, ends, metre)) result.alignment = std::move(whole);
 }
 
 void read_alignments(const pugi::xml_node& root, const std::vector<std::string>& ignore,
@@ -246,7 +403,38 @@ void read_alignments(const pugi::xml_node& root, const std::vector<std::string>&
               "leave all but one out: --ignore NAME,NAME");
     return;
   }
-  sample_alignment(alignments[0], 1 / result.metres_per_unit.value_or(1), places, result, log);
+  sample_alignment(alignments[0], 1 / result.metres_per_unit.value_or(1), ignore, places, result,
+                   log);
+}
+
+// ---- Points, and what the export of a survey says of all its tags.
+
+void read_points(const pugi::xml_node& group, const TextPlaces& places, RawPoints& result,
+                 FindingLog& log) {
+  for (const pugi::xml_node& node : group.children("CgPoint")) {
+    if (node.attribute("pntRef")) continue;
+    const int line = line_of(node, places);
+    const std::string name = node.attribute("name").value();
+    const std::vector<double> p = numbers_of(node);
+    if (p.size() != 3) {
+      log.error({line, 0}, "bad-number",
+                "point " + name.substr(0, 60) + " is `" +
+                    std::string(trim(node.text().get())).substr(0, 60) +
+                    "`, expected north, east and elevation");
+      continue;
+    }
+    RawPoint point{line, name, description_of(node), {p[1], p[0], p[2]}};
+    point.digits = node.attribute("desc").value();
+    if (!add_point(result, std::move(point), log)) return;
+  }
+}
+
+void read_listed(const pugi::xml_node& group, const TextPlaces& places, RawPoints& result) {
+  const pugi::xml_node feature = group.find_child_by_attribute("Feature", "code", kListedSurvey);
+  for (const pugi::xml_node& each : feature.children("Property")) {
+    result.listed_line = line_of(feature, places);
+    result.listed[each.attribute("label").value()] = each.attribute("value").value();
+  }
 }
 
 }  // namespace
@@ -266,24 +454,13 @@ RawPoints landxml_points(std::string_view text, const std::vector<std::string>& 
     return result;
   }
   const pugi::xml_node units = root.child("Units").first_child();
-  result.metres_per_unit = metres_of_unit(units.attribute("linearUnit").value());
-  const std::string epsg = root.child("CoordinateSystem").attribute("epsgCode").value();
-  result.epsg = parse_crs("EPSG:" + epsg).value_or(0);
+  const std::string unit = units.attribute("linearUnit").value();
+  result.metres_per_unit = metres_of_unit(unit);
+  if (!result.metres_per_unit) result.unknown_unit = unit;
+  result.epsg_code = root.child("CoordinateSystem").attribute("epsgCode").value();
   for (const pugi::xml_node& group : root.children("CgPoints")) {
-    for (const pugi::xml_node& node : group.children("CgPoint")) {
-      if (node.attribute("pntRef")) continue;
-      const int line = line_of(node, places);
-      const std::string name = node.attribute("name").value();
-      const std::vector<double> p = numbers_of(node);
-      if (p.size() != 3) {
-        log.error({line, 0}, "bad-number",
-                  "point " + name.substr(0, 60) + " is `" +
-                      std::string(trim(node.text().get())).substr(0, 60) +
-                      "`, expected north, east and elevation");
-        continue;
-      }
-      if (!add_point(result, {line, name, description_of(node), {p[1], p[0], p[2]}}, log)) break;
-    }
+    read_points(group, places, result, log);
+    read_listed(group, places, result);
   }
   read_alignments(root, ignore, places, result, log);
   return result;

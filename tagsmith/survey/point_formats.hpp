@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,6 +34,7 @@ struct RawPoint {
   Eigen::Vector3d in_grid = Eigen::Vector3d::Zero();  // x, y, z in the file's unit
   bool has_height = true;
   bool of_alignment = false;  // sampled from a center line, not surveyed
+  std::string digits{};       // where the file has a field for those of a tag; may be anything
 };
 
 struct RawPoints {
@@ -42,37 +44,51 @@ struct RawPoints {
   std::optional<double> metres_per_unit;  // where the file says it
   bool in_some_feet = false;              // the file says feet, but not which
   bool unit_is_advice = false;            // --units may contradict it: DXF headers are often wrong
-  int epsg = 0;                           // where the file names its grid
+  std::string unknown_unit;               // as the file says it, where it is none that is known
+  std::string epsg_code;                  // where the file names its grid
+  // What it says of all its tags, by the columns of an own list; and on which line.
+  std::map<std::string, std::string> listed;
+  int listed_line = 0;
 };
 
 // Of each, what is wrong is logged. A description is the first that the format has of those given.
 
 // LandXML 1.x: CgPoints (code, desc, or name or desc of their group); the one Alignment as points
-// CL at most half a metre apart, with the heights of its profile. `ignore`: alignments left out.
+// CL at most half a metre apart, with the heights of its one profile as far as that goes. `ignore`:
+// alignments and profiles left out.
 RawPoints landxml_points(std::string_view text, const std::vector<std::string>& ignore,
                          FindingLog& log);
 
 // Leica GSI-8 and GSI-16: blocks with words 81, 82, 83; description by word 71 or by blocks 41,
-// which precede their points where the file begins with one, and follow them elsewhere.
+// which precede their points where the file begins with one, and follow them elsewhere; the digits
+// of a tag in word 72.
 RawPoints gsi_points(std::string_view text, FindingLog& log);
 
-// Carlson and TDS RW5: records SP.
-RawPoints rw5_points(std::string_view text, FindingLog& log);
-
-// Whether layers and attributes of this text say what a point is.
+// Whether layers, attributes and notes of this text say what a point is.
 using IsDescription = std::function<bool(std::string_view)>;
 
-// ASCII DXF: POINT, ends of LINE, vertices of LWPOLYLINE and POLYLINE, INSERT. Description by an
-// attribute (CODE, DESC, DESCRIPTION, KIND) or the layer. Layers and kinds of entities that say
-// nothing are left out, with a warning.
-RawPoints dxf_points(std::string_view text, const IsDescription& is_description, FindingLog& log);
+// Carlson and TDS RW5: records SP. Points that other records alone describe are left out, with a
+// warning.
+RawPoints rw5_points(std::string_view text, const IsDescription& is_description, FindingLog& log);
+
+// ASCII DXF: POINT, ends of LINE, vertices of LWPOLYLINE and POLYLINE and points on their arcs, at
+// most 2 mm of sagitta apart, INSERT. Description by an attribute (CODE, DESC, DESCRIPTION, KIND)
+// or the layer. Layers and kinds of entities that say nothing are left out, with a warning.
+// `metres_per_unit`: as the user says.
+RawPoints dxf_points(std::string_view text, const IsDescription& is_description,
+                     const std::optional<double>& metres_per_unit, FindingLog& log);
+
+// The text without the byte order mark that it may begin with.
+inline std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
 
 // Calls `use(number, line)` for each line that is not blank, until it returns false. Numbers count
 // from 1; a byte order mark is left out.
 template <class Use>
 void for_each_line(std::string_view text, Use use) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+  text = without_mark(text);
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     const std::string_view line = text.substr(0, end);

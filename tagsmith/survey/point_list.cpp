@@ -163,6 +163,7 @@ std::optional<SurveyedPoint> described_point(const RawPoint& raw, int column, Fi
   point.has_height = raw.has_height;
   point.of_alignment = raw.of_alignment;
   point.tag = parse_tag_name(code);
+  if (point.tag && parse_digits(raw.digits)) point.digits = raw.digits;
   const std::optional<PointKind> kind = point.tag ? kind_of(point.tag->side) : kind_of(code);
   if (kind) {
     point.kind = *kind;
@@ -202,6 +203,12 @@ std::optional<SurveyedPoint> read_own_point(const ListRow& row) {
   point.tag = parse_tag_name(point.name);
   if (!point.tag) {
     row.error("tag", "bad-tag-name", "tag is `" + point.name.substr(0, 60) + "`, expected 000L");
+  }
+  const std::string& side = row.text("side");
+  if (point.tag && side != to_string(point.tag->side)) {
+    row.error("side", "side-mismatch",
+              "side is `" + side.substr(0, 60) + "`, but tag " + point.name + " hangs on the " +
+                  to_string(point.tag->side));
   }
   const auto in_grid = row.point();
   point.digits = row.text("digits");
@@ -253,6 +260,30 @@ std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
   return survey;
 }
 
+// What every row repeats.
+std::vector<std::string> repeated_columns() {
+  std::vector<std::string> columns = split("template,check_digit,x_axis", ',');
+  for (const char* axis : {"x", "y", "z"}) {
+    for (const char* of : {"digits_", "resolution_", "origin_"}) {
+      columns.push_back(of + std::string(axis));
+    }
+  }
+  return columns;
+}
+
+// Whether a row repeats what the first one says; logs it where it does not.
+bool repeats(const ListRow& row, const ListRow& first, FindingLog& log) {
+  for (const std::string& column : repeated_columns()) {
+    if (row.text(column) == first.text(column)) continue;
+    log.error(row.place(column), "conflicting-rows",
+              column + " is `" + row.text(column).substr(0, 60) + "`, but line " +
+                  std::to_string(first.line()) + " says `" + first.text(column).substr(0, 60) + "`",
+              "a survey has one template, code and grid: make a list of each survey");
+    return false;
+  }
+  return true;
+}
+
 // The columns that an own list has: of older versions without the plates' attitudes.
 constexpr std::size_t kOldColumns = 27;
 
@@ -263,6 +294,29 @@ void check_own_header(const std::vector<std::string>& fields, int line,
   log.error({line, 0}, "missing-column",
             "the columns are not those of `tagsmith export`, expected " + csv_row(own_columns()),
             "give the order of the columns: --order PENZD");
+}
+
+// Warns of tags that bear digits which the draft cannot know.
+void check_digits(const PointList& list, FindingLog& log) {
+  const auto lacks_digits = [](const SurveyedPoint& point) {
+    return point.tag && point.digits.empty();
+  };
+  const auto has_digits = [](const SurveyedPoint& point) { return !point.digits.empty(); };
+  const auto first = std::ranges::find_if(list.points, lacks_digits);
+  if (first != list.points.end()) {
+    log.warning({first->line, 0}, "unknown-digits",
+                fmt::format("{} tags have names, but the list does not say their digits, the first "
+                            "is {}: the draft's codes need not be those of plates that hang",
+                            std::ranges::count_if(list.points, lacks_digits),
+                            tag_name(first->tag->pair, first->tag->side)),
+                "write the digits of plates that hang into the draft, as `digits`, or draft it "
+                "from the survey's own export; do not localize with it before");
+  }
+  if (list.survey || std::ranges::none_of(list.points, has_digits)) return;
+  log.warning({}, "unknown-digits",
+              "the list says the digits of tags, but not the code that they follow: the draft's "
+              "code is another, and tags that get digits by it differ from those that hang",
+              "write the code of the survey that the plates were printed from into the draft");
 }
 
 void check_names(const std::vector<SurveyedPoint>& points, FindingLog& log) {
@@ -332,11 +386,14 @@ void read_table(std::string_view text, const PointListOptions& options,
                 std::vector<std::string> columns, PointList& list, FindingLog& log) {
   const bool own = options.order == "own";
   list.unit_is_known = own || options.metres_per_unit;
+  list.metres_per_unit = options.metres_per_unit.value_or(1);
   const std::size_t least = own ? kOldColumns : columns.size();
   FindingLog unheard("");  // of an own list the header says what is wrong
   auto separator = separator_of(text, least, own ? unheard : log);
   if (!separator && own) separator = ',';
   bool is_header = own || options.header;
+  std::optional<ListRow> first;
+  bool is_one_survey = true;
   if (!separator) return;
   for_each_line(text, [&](int number, std::string_view line) {
     auto fields = split_csv(line, *separator);
@@ -354,7 +411,8 @@ void read_table(std::string_view text, const PointListOptions& options,
       return false;
     } else {
       const ListRow row(columns, std::move(*fields), *separator != ',', number, log);
-      if (own && !list.survey) list.survey = read_listed_survey(row);
+      if (own && first && is_one_survey) is_one_survey = repeats(row, *first, log);
+      if (own && !first) list.survey = read_listed_survey(first.emplace(row));
       auto point = own ? read_own_point(row) : read_point(row, options, log);
       if (point) list.points.push_back(std::move(*point));
     }
@@ -385,6 +443,11 @@ double unit_of(const RawPoints& raw, const std::optional<double>& asked, Finding
   if (raw.in_some_feet && !asked_feet) {
     log.error({}, "no-units", "the file is in feet, but does not say in which",
               "--units ft (0.3048 m) or --units us-ft (1200/3937 m)");
+  } else if (!raw.unknown_unit.empty() && !asked) {
+    log.error({}, "no-units",
+              "the file says the unit `" + raw.unknown_unit.substr(0, 60) +
+                  "`, which is none that is known",
+              "--units m, ft (0.3048 m), us-ft (1200/3937 m) or mm");
   } else if (asked && raw.metres_per_unit && !raw.unit_is_advice &&
              *asked != *raw.metres_per_unit) {
     log.error({}, "no-units",
@@ -394,15 +457,56 @@ double unit_of(const RawPoints& raw, const std::optional<double>& asked, Finding
   return asked.value_or(raw.metres_per_unit.value_or(1));
 }
 
+// The number of the file's grid, where it is one of metres as the survey is; else it is told.
+int epsg_of(const std::string& code, double unit, FindingLog& log) {
+  if (code.empty() || code == "0") return 0;
+  const std::string name = "EPSG:" + code.substr(0, 20);
+  const std::optional<int> epsg = parse_crs(name);
+  if (epsg && unit == 1) return *epsg;
+  log.warning({}, "bad-crs",
+              "the file's grid " + name + " is left out: " +
+                  (epsg ? "the file is in units of " + format_number(unit, 9) +
+                              " m, so its grid is, but the survey is in metres"
+                        : "it is no grid in metres"),
+              "the same grid in metres has another number: write that into the draft, as "
+              "grid: { crs: EPSG:25832 }");
+  return 0;
+}
+
+// What the file says of all its tags, where it does.
+std::optional<ListedSurvey> listed_survey_of(const RawPoints& raw, FindingLog& log) {
+  if (raw.listed.empty()) return std::nullopt;
+  std::vector<std::string> columns;
+  std::vector<std::string> fields;
+  for (const auto& [column, field] : raw.listed) {
+    columns.push_back(column);
+    fields.push_back(field);
+  }
+  return read_listed_survey(ListRow(columns, std::move(fields), false, raw.listed_line, log));
+}
+
+RawPoints raw_points(PointFormat format, std::string_view text, const PointListOptions& options,
+                     FindingLog& log) {
+  switch (format) {
+    case PointFormat::landxml:
+      return landxml_points(text, options.ignore, log);
+    case PointFormat::gsi:
+      return gsi_points(text, log);
+    case PointFormat::rw5:
+      return rw5_points(text, is_point_description, log);
+    default:
+      return dxf_points(text, is_point_description, options.metres_per_unit, log);
+  }
+}
+
 void read_other(PointFormat format, std::string_view text, const PointListOptions& options,
                 PointList& list, FindingLog& log) {
-  RawPoints raw = format == PointFormat::landxml ? landxml_points(text, options.ignore, log)
-                  : format == PointFormat::gsi   ? gsi_points(text, log)
-                  : format == PointFormat::rw5   ? rw5_points(text, log)
-                                                 : dxf_points(text, is_point_description, log);
+  RawPoints raw = raw_points(format, text, options, log);
   const double unit = unit_of(raw, options.metres_per_unit, log);
+  list.metres_per_unit = unit;
   list.unit_is_known = options.metres_per_unit || (raw.metres_per_unit && !raw.unit_is_advice);
-  list.epsg = raw.epsg;
+  list.epsg = epsg_of(raw.epsg_code, unit, log);
+  list.survey = listed_survey_of(raw, log);
   if (raw.alignment) list.alignment = scaled(std::move(*raw.alignment), unit);
   const bool has_line = std::ranges::any_of(raw.points, &RawPoint::of_alignment);
   for (RawPoint& point : raw.points) {
@@ -457,6 +561,7 @@ Result<Diagnosed<PointList>> read_point_list(const std::filesystem::path& path,
   }
   check_reach(list, log);
   check_names(list.points, log);
+  check_digits(list, log);
   Diagnosed<PointList> reading;
   reading.diagnostics = log.sorted();
   if (!log.has_errors()) reading.value = std::move(list);

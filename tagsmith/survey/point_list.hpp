@@ -57,6 +57,9 @@ inline bool is_tag(const SurveyedPoint& point) {
   return point.kind == PointKind::left_tag || point.kind == PointKind::right_tag;
 }
 
+// The code under which LandXML (a Feature) and GSI (blocks 41) of `tagsmith export` say it.
+inline constexpr const char* kListedSurvey = "TAGSMITH";
+
 // What a list of `tagsmith export` says of all its tags.
 struct ListedSurvey {
   std::string tag_template;
@@ -66,8 +69,9 @@ struct ListedSurvey {
 
 struct PointList {
   std::vector<SurveyedPoint> points;
-  std::optional<ListedSurvey> survey;       // of an own list
+  std::optional<ListedSurvey> survey;       // of lists of `tagsmith export`
   bool unit_is_known = false;               // said by the file or the user, not taken for metres
+  double metres_per_unit = 1;               // of the file's numbers
   int epsg = 0;                             // where the file names its grid
   std::optional<DesignedLine> alignment{};  // the center line, where the file has it whole; metres
 };

@@ -609,6 +609,39 @@ TEST_CASE("parts of a split draft never share a code, also with plates at whole 
   CHECK(codes.size() == tags);
 }
 
+TEST_CASE("rows of a list of export that contradict each other, or options, are refused") {
+  const TemporaryFolder folder;
+  const fs::path csv = folder.path() / "tags.csv";
+  REQUIRE(run_tagsmith("export surveys/curved/survey.yaml -o " + quoted(csv)).exit_code == 0);
+  const std::string whole = read_file(csv).value();
+  const auto with_last = [&](const std::string& from, const std::string& to) {
+    std::string text = whole;
+    text.replace(text.rfind(from), from.size(), to);
+    return text;
+  };
+  struct Case {
+    std::string text;
+    const char* arguments;
+    const char* told;
+  };
+  for (const Case& each :
+       {Case{with_last("tag-800x430", "tag-400x300"), "", "but line 2 says `tag-800x430`"},
+        Case{with_last(",gs1,", ",sum10,"), "", "check_digit is `sum10`"},
+        Case{with_last(",right,", ",left,"), "", "[conflicting-rows]"},
+        Case{with_last("R,right,", "R,left,"), "", "[side-mismatch]"},
+        Case{whole, " --x-axis left", "the list says right"},
+        Case{whole, " --check-digit sum10", "the list says gs1"},
+        Case{whole, " --template tag-400x300", "the list says tag-800x430"},
+        Case{whole, " --tunnel-height 5", "--tunnel-height is for lists"},
+        Case{whole, " --mount-height 5", "--mount-height is for lists"}}) {
+    CAPTURE(std::string(each.told));
+    const ProgramOutput refused =
+        draft(folder.path(), each.text, "--order own" + std::string(each.arguments));
+    CHECK(refused.exit_code == 2);
+    CHECK_MESSAGE(refused.err.find(each.told) != std::string::npos, refused.err);
+  }
+}
+
 TEST_CASE("a drive that begins with an arc keeps its chainages") {
   const TemporaryFolder folder;
   const fs::path survey = folder.path() / "arc.yaml";
@@ -634,6 +667,9 @@ code: { check_digit: gs1, resolution: 0.01, digits: [4, 4, 3], origin: [-10, -10
   for (std::size_t i = 0; i < after.tags.size(); ++i) {
     CHECK(std::abs(after.tags[i].chainage - before.tags[i].chainage) < 1e-4);
   }
+  // Nobody said how well the plates are surveyed, and computed places do not tell it.
+  CHECK(read_file(folder.path() / "out" / "survey.yaml").value().find("sigma") ==
+        std::string::npos);
 }
 
 TEST_CASE("points along the tangent of an arc make a straight element, as they were fitted") {
@@ -659,6 +695,28 @@ TEST_CASE("points along the tangent of an arc make a straight element, as they w
   CHECK(std::abs(line.locate({450, 1050}).offset) < 0.03);
   const double end = line.length();
   CHECK((line.at(end).position.head<2>() - Eigen::Vector2d(450 - 0.4, 1050)).norm() < 0.1);
+}
+
+TEST_CASE("options for what a list lacks are refused where it has it, and a width is kept") {
+  const TemporaryFolder folder;
+  const std::string csv = surveyed_drift(0.002).text("PENZD");
+  const ProgramOutput floor = draft(folder.path(), csv, "--order PENZD --mount-height 1.5");
+  CHECK(floor.exit_code == 2);
+  CHECK(floor.err.find("--mount-height") != std::string::npos);
+  const ProgramOutput roof = draft(folder.path(), csv, "--order PENZD --tunnel-height 4");
+  CHECK(roof.exit_code == 2);
+  CHECK(roof.err.find("--tunnel-height") != std::string::npos);
+  std::string line;
+  for (int deg = 0; deg <= 90; deg += 15) {
+    line += fmt::format("p,{:.4f},{:.4f},100,CL\n", 20 * std::cos(radians(deg)),
+                        20 * std::sin(radians(deg)));
+  }
+  const ProgramOutput made =
+      draft(folder.path(), line,
+            "--order PENZD --width 4 --tunnel-height 3 --height 1.2 --spacing 2 --tolerance 200");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+  CHECK(width_at(survey.tunnel, 0) == Approx(4));
 }
 
 TEST_CASE("JSON says survey, code, tunnel and each tag, the field layout its poses") {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -59,7 +60,7 @@ std::string gsi_word(const std::string& index, const std::string& data, std::siz
 }
 
 // `unit`: the digit; `scale`: its last digits a metre or foot. Codes in words 71, or in blocks
-// before or behind their points.
+// before or behind their points; "empty": before them, and empty words 71.
 std::string gsi(const Points& points, char unit, double scale, const std::string& codes) {
   std::string text;
   int block = 0;
@@ -71,11 +72,12 @@ std::string gsi(const Points& points, char unit, double scale, const std::string
     const std::string code = full_code.substr(0, full_code.find(' '));
     const std::string code_block =
         "*" + gsi_word(fmt::format("41{:04}", ++block), code, 16) + "\r\n";
-    if (codes == "before") text += code_block;
+    if (codes == "before" || codes == "empty") text += code_block;
     const std::string name = std::to_string(++block);
     text += "*" + gsi_word(fmt::format("11{:04}", block), name, 16) + length("81", p.x()) +
             length("82", p.y()) + length("83", p.z());
     if (codes == "words") text += gsi_word("71....", code, 16);
+    if (codes == "empty") text += gsi_word("71....", "", 16);
     text += "\r\n";
     if (codes == "behind") text += code_block;
   }
@@ -168,6 +170,7 @@ TEST_CASE("points of every format and unit become the tunnel that they were meas
         Case{"millimetres", table(scaled(points, 0.001), ",", false), "--order PENZD --units mm"},
         Case{"GSI, words 71", gsi(points, '0', 1e3, "words"), ""},
         Case{"GSI, tenths", gsi(points, '6', 1e4, "before"), ""},
+        Case{"GSI, empty remarks", gsi(points, '6', 1e4, "empty"), ""},
         Case{"GSI, hundredths", gsi(points, '8', 1e5, "behind"), ""},
         Case{"GSI, feet", gsi(scaled(points, kFoot), '7', 1e4, "words"), "--units ft"},
         Case{"RW5", rw5(points, 1), ""},
@@ -179,7 +182,10 @@ TEST_CASE("points of every format and unit become the tunnel that they were meas
              ""},
         Case{"DXF", dxf(points, 6), ""},
         Case{"DXF, mm", dxf(scaled(points, 0.001), 4), "--units mm"},
-        Case{"DXF that says inches", dxf(points, 1), ""}}) {
+        Case{"DXF that says inches, wrongly", dxf(points, 1), "--units m"},
+        Case{"DXF in inches", dxf(scaled(points, 0.0254), 1), ""},
+        Case{"DXF in decimetres", dxf(scaled(points, 0.1), 14), ""},
+        Case{"DXF with a byte order mark", "\xEF\xBB\xBF" + dxf(points, 6), ""}}) {
     CAPTURE(std::string(each.name));
     const TemporaryFolder folder;
     const ProgramOutput made = draft(folder.path(), each.text, each.arguments);
@@ -192,28 +198,91 @@ TEST_CASE("points of every format and unit become the tunnel that they were meas
       const std::size_t listed = points.size() - 6 + i / 2 + (i % 2) * 3;
       CHECK((survey.tags[i].p_in_grid - points[listed].p).norm() < 0.003);
     }
-    CHECK(survey.grid.epsg == (std::string(each.name).starts_with("LandXML") ? 25832 : 0));
+    CHECK(survey.grid.epsg == (std::string(each.name) == "LandXML" ? 25832 : 0));
   }
 }
 
-TEST_CASE("what export writes for surveyors, new reads back") {
-  for (const char* ending : {"landxml", "gsi"}) {
-    CAPTURE(std::string(ending));
+TEST_CASE("what export writes for surveyors, new reads back, with the digits that are printed") {
+  struct Case {
+    const char* survey;
+    const char* format;
+    const char* arguments;
+  };
+  for (const Case& each :
+       {Case{"corridor", "csv", "--order own"}, Case{"corridor", "landxml", "--tunnel-height 3"},
+        Case{"corridor", "gsi", "--tunnel-height 3 --mount-height 1"},
+        Case{"corridor-table4", "csv", "--order own"},
+        Case{"corridor-table4", "landxml", "--tunnel-height 3"},
+        Case{"corridor-table4", "gsi", "--tunnel-height 3 --mount-height 1"},
+        Case{"curved", "csv", "--order own"}, Case{"curved", "landxml", "--tunnel-height 3"},
+        Case{"curved", "gsi", "--tunnel-height 3 --mount-height 0.6"},
+        Case{"drift", "csv", "--order own"}}) {
+    CAPTURE(std::string(each.survey));
+    CAPTURE(std::string(each.format));
     const TemporaryFolder folder;
-    const fs::path file = folder.path() / ("tags." + std::string(ending));
-    REQUIRE(run_tagsmith("export surveys/curved/survey.yaml -o " + quoted(file)).exit_code == 0);
-    const std::string more = std::string(ending) == "gsi" ? " --mount-height 0.6" : "";
+    const fs::path file = folder.path() / ("tags." + std::string(each.format));
+    const std::string original = "surveys/" + std::string(each.survey) + "/survey.yaml";
+    REQUIRE(run_tagsmith("export " + original + " -o " + quoted(file)).exit_code == 0);
     const ProgramOutput made = run_tagsmith("new " + quoted(folder.path() / "out") + " --from " +
-                                            quoted(file) + " --tunnel-height 3" + more);
+                                            quoted(file) + " " + each.arguments);
     REQUIRE_MESSAGE(made.exit_code == 0, made.err);
-    const Survey before = load_survey("surveys/curved/survey.yaml").value();
-    const Survey after = load_survey(folder.path() / "out" / "survey.yaml").value();
+    CHECK(made.err.find("[unknown-digits]") == std::string::npos);
+    const fs::path draft = folder.path() / "out" / "survey.yaml";
+    const Survey before = load_survey(original).value();
+    const Survey after = load_survey(draft).value();
+    CHECK(after.code.check == before.code.check);
+    CHECK(after.code.digit_counts == before.code.digit_counts);
+    CHECK(after.code.resolution == before.code.resolution);
+    CHECK(after.code.origin == before.code.origin);
     REQUIRE(after.tags.size() == before.tags.size());
     for (std::size_t i = 0; i < after.tags.size(); ++i) {
       CHECK(after.tags[i].name == before.tags[i].name);
       CHECK((after.tags[i].p_in_grid - before.tags[i].p_in_grid).norm() < 1e-4);
     }
+    const ProgramOutput differs = run_tagsmith("diff " + original + " " + quoted(draft));
+    CHECK_MESSAGE(differs.err.find("0 to print, 0 to reprint,") != std::string::npos, differs.err);
+    // Computed places do not tell how well plates were measured.
+    if (std::string(each.survey) == "curved") {
+      CHECK(read_file(draft).value().find("of a coordinate") == std::string::npos);
+    }
   }
+}
+
+TEST_CASE("tags that hang, with digits that nobody knows or a code that nobody knows, are told") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "tags.landxml";
+  REQUIRE(run_tagsmith("export surveys/curved/survey.yaml -o " + quoted(file)).exit_code == 0);
+  const std::string whole = read_file(file).value();
+  const auto without = [&](const std::string& what) {
+    return std::regex_replace(whole, std::regex(what), "");
+  };
+  const std::string arguments = "--tunnel-height 3 --template tag-800x430";
+  const std::string feature = "<Feature [^]*</Feature>";
+  const ProgramOutput no_code = draft(folder.path(), without(feature), arguments);
+  REQUIRE_MESSAGE(no_code.exit_code == 0, no_code.err);
+  CHECK(no_code.err.find("not the code that they follow") != std::string::npos);
+  const Survey before = load_survey("surveys/curved/survey.yaml").value();
+  const Survey after = load_survey(folder.path() / "out" / "survey.yaml").value();
+  for (std::size_t i = 0; i < after.tags.size(); ++i) {
+    CHECK(after.tags[i].digits == before.tags[i].digits);
+  }
+  fs::remove_all(folder.path() / "out");
+  CHECK(draft(folder.path(), without(feature), arguments + " --split").exit_code == 2);
+  const ProgramOutput no_digits =
+      draft(folder.path(), without("(" + feature + "| desc=\"[0-9]*\")"), arguments);
+  REQUIRE_MESSAGE(no_digits.exit_code == 0, no_digits.err);
+  CHECK_MESSAGE(no_digits.err.find("12 tags have names, but the list does not say their digits") !=
+                    std::string::npos,
+                no_digits.err);
+  // Options may repeat what the list says of all tags, and not contradict it.
+  fs::remove_all(folder.path() / "out");
+  for (const char* option : {"--template tag-400x300", "--check-digit sum10", "--x-axis left"}) {
+    const ProgramOutput refused =
+        draft(folder.path(), whole, "--tunnel-height 3 " + std::string(option));
+    CHECK(refused.exit_code == 2);
+    CHECK(refused.err.find("the list says") != std::string::npos);
+  }
+  CHECK(draft(folder.path(), whole, arguments + " --check-digit gs1").exit_code == 0);
 }
 
 TEST_CASE("a list of export that a spreadsheet wrote with semicolons and commas reads back") {
@@ -314,7 +383,7 @@ TEST_CASE("an alignment of lines, clothoids and arcs becomes the center line as 
   CHECK(spirals.find("<Spiral length=\"20\"") != std::string::npos);
   CHECK(spirals.find("radiusEnd=\"40\" radiusStart=\"INF\" rot=\"cw\"") != std::string::npos);
   fs::remove_all(folder.path() / "out");
-  const ProgramOutput again = draft(folder.path(), spirals, "--tunnel-height 3 --mount-height 1.2");
+  const ProgramOutput again = draft(folder.path(), spirals, "--tunnel-height 3");
   REQUIRE_MESSAGE(again.exit_code == 0, again.err);
   const Centerline same =
       load_survey(folder.path() / "out" / "survey.yaml").value().tunnel.centerline;
@@ -412,6 +481,8 @@ TEST_CASE("broken files and doubtful units are refused with their line and a rem
   const Points points = surveyed_drift(0.002).points;
   const std::string metre = "<Metric linearUnit=\"meter\"/>";
   const std::string good_gsi = gsi(points, '0', 1e3, "words");
+  const std::string two_units =
+      std::regex_replace(gsi(points, '7', 1e4, "words"), std::regex("83\\.\\.07"), "83..06");
   struct Case {
     const char* name;
     std::string text;
@@ -428,6 +499,14 @@ TEST_CASE("broken files and doubtful units are refused with their line and a rem
              "--units us-ft"},
         Case{"RW5 in some feet", rw5(scaled(points, kFoot), 0), "", "--units us-ft"},
         Case{"another unit than the file's", rw5(points, 1), "--units ft", "leave --units out"},
+        Case{"a drawing in a unit of its own", dxf(points, 77), "", "$INSUNITS 77"},
+        Case{"a drawing in inches that is in metres", dxf(points, 1), "", "a unit of 0.0254 m"},
+        Case{"LandXML in a unit of its own",
+             landxml(cg_points(points), "<Imperial linearUnit=\"internationalFoot\"/>"), "",
+             "`internationalFoot`"},
+        Case{"GSI in two units", two_units, "", "point 2 are in feet and in metres"},
+        Case{"RW5 in two units", rw5(points, 1) + "MO,AD0,UN2,SF1.0,EC0\n", "",
+             "says UN2, one before it UN1"},
         Case{"blanks for separators", "1 2 3 4 WL\n2 3 4 5 WR\n", "--order PENZD",
              "points.csv:1: error:"},
         Case{"a table without an order", table(points, ",", false), "", "--order"},
