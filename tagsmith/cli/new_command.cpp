@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -117,7 +118,10 @@ Result<void> write_to_edit(const NewOptions& options) {
 }
 
 Result<TagTemplate> named_template(const std::string& name, const fs::path& folder) {
-  const auto path = find_template(name, folder);
+  const bool is_file = name.find('/') != std::string::npos || name.ends_with(".yaml");
+  // The folder is yet to be made: a way out of it is none on disk.
+  const auto path = is_file ? find_template((folder / name).lexically_normal().string(), {})
+                            : find_template(name, folder);
   if (!path) return fail("no template `" + name + "`; own templates: " + own_templates());
   return load_template(*path);
 }
@@ -146,6 +150,34 @@ Result<void> check_layout(const NewOptions& options, const PointList& list) {
               "--first M and --to M");
 }
 
+std::string template_of(const NewOptions& options, const PointList& list) {
+  if (!options.template_name.empty()) return options.template_name;
+  return list.survey ? list.survey->tag_template : "tag-400x300";
+}
+
+// Another plate may have the name that the list says.
+Result<void> check_template(const PointList& list, const TagTemplate& tag) {
+  constexpr double kSame = 1e-6;
+  if (!list.survey) return {};
+  const ListedSurvey& listed = *list.survey;
+  if (tag.name != listed.tag_template) {
+    return fail("the list says the template " + listed.tag_template + ", not " + tag.name +
+                ": leave --template out, or give a file of that template");
+  }
+  if (!listed.plate) return {};
+  const std::array found = listed_plate(tag);
+  const auto same = [&](double a, double b) { return std::abs(a - b) < kSame; };
+  if (std::ranges::equal(found, *listed.plate, same)) return {};
+  const auto words = [](const std::array<double, 4>& plate) {
+    return fmt::format("{} x {} m with a frame of {} x {} m", format_number(plate[0]),
+                       format_number(plate[1]), format_number(plate[2]), format_number(plate[3]));
+  };
+  return fail(
+      "the plates of the list are " + words(*listed.plate) + ", the template " + tag.name +
+      " that was found has " + words(found) +
+      ": give the file of the list's own, --template FILE.yaml, as seen from the new folder");
+}
+
 // Options may not say what the list says otherwise.
 Result<void> check_options(const NewOptions& options, const PointList& list) {
   struct Said {
@@ -169,8 +201,7 @@ Result<void> check_options(const NewOptions& options, const PointList& list) {
   }
   if (!list.survey) return {};
   for (const Said& said :
-       {Said{"--template", options.template_name, list.survey->tag_template},
-        Said{"--x-axis", options.x_axis, list.survey->grid.x_axis_left ? "left" : "right"},
+       {Said{"--x-axis", options.x_axis, list.survey->grid.x_axis_left ? "left" : "right"},
         Said{"--check-digit", options.check_digit, to_string(list.survey->code.check)}}) {
     if (said.value.empty() || said.value == said.listed) continue;
     return fail(std::string(said.option) + " " + said.value + ": the list says " + said.listed +
@@ -272,9 +303,7 @@ Result<Drafted> make_draft(const NewOptions& options) {
   draft.source = fs::path(options.points).filename().string();
   drafted.metres_per_unit = list->metres_per_unit;
   draft.of_export = list->survey.has_value();
-  draft.template_name = list->survey                    ? list->survey->tag_template
-                        : options.template_name.empty() ? "tag-400x300"
-                                                        : options.template_name;
+  draft.template_name = template_of(options, *list);
   draft.grid = list->survey ? list->survey->grid : Grid{options.x_axis == "left"};
   if (!draft.grid.x_axis_left) draft.grid.epsg = list->epsg;
   if (options.width) {
@@ -283,6 +312,9 @@ Result<Drafted> make_draft(const NewOptions& options) {
   }
   const auto tag = named_template(draft.template_name, options.name);
   if (!tag) return tl::unexpected(tag.error());
+  if (auto same = check_template(*list, *tag); !same) {
+    return fail(options.points + ": " + same.error().message);
+  }
   draft.tag = *tag;
   TunnelFitOptions fitted = fit_options(options);
   if (list->alignment) fitted.alignment = line_in_world(*list->alignment, draft.grid);

@@ -173,6 +173,9 @@ std::string tags_csv(const Survey& survey) {
          {tag.attitude ? tag.attitude->tilt : 0, tag.attitude ? tag.attitude->roll : 0}) {
       row.push_back(format_number(degrees(angle)));
     }
+    for (const double length : listed_plate(survey.tag_template)) {
+      row.push_back(format_number(length));
+    }
     csv += csv_row(row);
   }
   return csv;

@@ -16,7 +16,7 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
-#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/survey/listed_survey.hpp"
 
 namespace tagsmith::detail {
 
@@ -379,6 +379,11 @@ std::vector<std::pair<std::string, std::string>> listed_survey(const Survey& sur
     listed.emplace_back(std::string("resolution_") + kAxes[i], format_number(code.resolution[i]));
     listed.emplace_back(std::string("origin_") + kAxes[i], format_number(code.origin[i]));
   }
+  const std::array plate = listed_plate(survey.tag_template);
+  constexpr std::array kLengths{"plate_length", "plate_height", "frame_length", "frame_height"};
+  for (std::size_t i = 0; i < plate.size(); ++i) {
+    listed.emplace_back(kLengths[i], format_number(plate[i]));
+  }
   return listed;
 }
 
@@ -393,8 +398,8 @@ std::string gsi_length(const std::string& index, double metres) {
   return fmt::format("{}..06{}{:016} ", index, metres < 0 && tenths != 0 ? '-' : '+', tenths);
 }
 
-// A block 41 with the name in word 42 and the text in 43 to 49, behind signs of equality, since
-// zeros on the left are padding.
+// A block 41 with the name (at most 15 characters) in word 42 and the text in 43 to 49, behind
+// signs of equality, since zeros on the left are padding.
 std::string gsi_listed(int block, const std::string& name, const std::string& text) {
   constexpr std::size_t kPart = 15;
   constexpr int kLastWord = 49;

@@ -44,12 +44,14 @@ std::string grade_key(const CenterlineElement& element) {
 }
 
 std::string element_text(const CenterlineElement& element) {
+  constexpr double kFlat = 1e-4;  // 1/m: of small angles more is written
   const std::string grade = grade_key(element);
   if (element.curvature == 0) return "{ line: " + format_number(element.length) + grade + " }";
   const double angle = element.length * std::abs(element.curvature);
+  const int decimals = std::abs(element.curvature) < kFlat ? 12 : 8;
   return "{ arc: " + format_number(1 / std::abs(element.curvature)) +
          ", turn: " + (element.curvature > 0 ? "right" : "left") +
-         ", angle: " + format_number(degrees(angle), 8) + grade + " }";
+         ", angle: " + format_number(degrees(angle), decimals) + grade + " }";
 }
 
 // Nothing for what no key of a survey says: other elements, and clothoids that bend to both sides.

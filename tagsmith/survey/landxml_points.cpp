@@ -11,8 +11,8 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/survey/length_units.hpp"
+#include "tagsmith/survey/listed_survey.hpp"
 #include "tagsmith/survey/point_formats.hpp"
-#include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/tunnel_limits.hpp"
 #include "tagsmith/survey/vertical_profile.hpp"
 #include "tagsmith/survey/xml_document.hpp"
@@ -327,7 +327,7 @@ bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double m
   constexpr double kGap = 0.005;  // metres
   if (line.elements.empty() || line.elements.size() > kMostElements) return false;
   const auto is_usable = [&](double curvature) {
-    return curvature == 0 || std::abs(curvature) * kLongest * metre >= 1;
+    return curvature == 0 || std::abs(curvature) * kWidestRadius * metre >= 1;
   };
   const bool usable = std::ranges::all_of(line.elements, [&](const DesignedElement& element) {
     return is_usable(element.from) && is_usable(element.to);

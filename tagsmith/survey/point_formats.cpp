@@ -14,7 +14,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/length_units.hpp"
-#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/survey/listed_survey.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -231,6 +231,9 @@ std::optional<SurveyedPoint> read_own_point(const ListRow& row) {
   return point;
 }
 
+// In the order of listed_plate.
+constexpr std::array kPlateColumns{"plate_length", "plate_height", "frame_length", "frame_height"};
+
 // What every row repeats, from one row.
 std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
   ListedSurvey survey;
@@ -254,6 +257,13 @@ std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
     survey.code.resolution[i] = resolution.value_or(1);
     survey.code.origin[i] = origin.value_or(0);
   }
+  if (!row.text("plate_length").empty()) {
+    std::array<double, 4> plate{};
+    for (std::size_t i = 0; i < plate.size(); ++i) {
+      plate[i] = row.number(kPlateColumns[i]).value_or(0);
+    }
+    survey.plate = plate;
+  }
   if (!complete) return std::nullopt;
   survey.code.check = *check;
   survey.grid.x_axis_left = axis == "left";
@@ -268,6 +278,7 @@ std::vector<std::string> repeated_columns() {
       columns.push_back(of + std::string(axis));
     }
   }
+  columns.insert(columns.end(), kPlateColumns.begin(), kPlateColumns.end());
   return columns;
 }
 
@@ -284,12 +295,14 @@ bool repeats(const ListRow& row, const ListRow& first, FindingLog& log) {
   return true;
 }
 
-// The columns that an own list has: of older versions without the plates' attitudes.
-constexpr std::size_t kOldColumns = 27;
+// The columns that own lists of older versions have: without the plates' attitudes, and without
+// their sizes.
+constexpr std::array<std::size_t, 2> kOldColumns{27, 30};
 
 void check_own_header(const std::vector<std::string>& fields, int line,
                       std::vector<std::string>& columns, FindingLog& log) {
-  if (fields.size() == kOldColumns) columns.resize(kOldColumns);
+  const auto old = std::ranges::find(kOldColumns, fields.size());
+  if (old != kOldColumns.end()) columns.resize(*old);
   if (fields == columns) return;
   log.error({line, 0}, "missing-column",
             "the columns are not those of `tagsmith export`, expected " + csv_row(own_columns()),
@@ -387,7 +400,7 @@ void read_table(std::string_view text, const PointListOptions& options,
   const bool own = options.order == "own";
   list.unit_is_known = own || options.metres_per_unit;
   list.metres_per_unit = options.metres_per_unit.value_or(1);
-  const std::size_t least = own ? kOldColumns : columns.size();
+  const std::size_t least = own ? kOldColumns.front() : columns.size();
   FindingLog unheard("");  // of an own list the header says what is wrong
   auto separator = separator_of(text, least, own ? unheard : log);
   if (!separator && own) separator = ',';
@@ -528,7 +541,8 @@ std::vector<std::string> own_columns() {
   return split(
       "tag,side,digits,x,y,z,chainage,offset,height,sigma,date,design_x,design_y,design_z,template,"
       "check_digit,digits_x,digits_y,digits_z,resolution_x,resolution_y,resolution_z,origin_x,"
-      "origin_y,origin_z,x_axis,tunnel_height,facing,tilt,roll",
+      "origin_y,origin_z,x_axis,tunnel_height,facing,tilt,roll,plate_length,plate_height,"
+      "frame_length,frame_height",
       ',');
 }
 

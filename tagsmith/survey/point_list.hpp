@@ -12,6 +12,7 @@
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/designed_line.hpp"
+#include "tagsmith/survey/listed_survey.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/survey.hpp"
 
@@ -56,16 +57,6 @@ std::string in_words(const SurveyedPoint& point);
 inline bool is_tag(const SurveyedPoint& point) {
   return point.kind == PointKind::left_tag || point.kind == PointKind::right_tag;
 }
-
-// The code under which LandXML (a Feature) and GSI (blocks 41) of `tagsmith export` say it.
-inline constexpr const char* kListedSurvey = "TAGSMITH";
-
-// What a list of `tagsmith export` says of all its tags.
-struct ListedSurvey {
-  std::string tag_template;
-  PositionCode code;
-  Grid grid;
-};
 
 struct PointList {
   std::vector<SurveyedPoint> points;

@@ -50,7 +50,7 @@ bool leaves_room(const MapReader& map, const char* key, double radius, bool turn
 
 // `start`: chainage at which it begins.
 std::optional<CenterlineElement> read_arc(const MapReader& map, double start, const Room& room) {
-  const auto radius = map.number("arc", above_zero(kLongest, "m"));
+  const auto radius = map.number("arc", above_zero(kWidestRadius, "m"));
   const auto turn = map.choice("turn", {"left", "right"}, "turn: left or turn: right");
   const auto angle = map.number("angle", above_zero(360, "degrees"));
   if (!radius || !turn || !angle) return std::nullopt;
@@ -71,7 +71,7 @@ std::vector<CenterlineElement> read_clothoid(const MapReader& map, double start,
   for (std::size_t i = 0; i < 2; ++i) {
     const char* key = i == 0 ? "from_radius" : "to_radius";
     if (!map.has(key)) continue;
-    const auto radius = map.number(key, above_zero(kLongest, "m"));
+    const auto radius = map.number(key, above_zero(kWidestRadius, "m"));
     if (!radius || !leaves_room(map, key, *radius, sign > 0, start, *length, room)) return {};
     curvatures[i] = sign / *radius;
   }

@@ -6,10 +6,11 @@
 
 namespace tagsmith::detail {
 
-// Metres: national grids reach 1e7; of tunnel, radius, spacing; of a coordinate's standard
-// deviation.
+// Metres: national grids reach 1e7; of tunnel, spacing; of a radius (programs fit arcs that differ
+// from a line by millimetres); of a coordinate's standard deviation.
 inline constexpr double kFarthest = 1e8;
 inline constexpr double kLongest = 1e5;
+inline constexpr double kWidestRadius = 1e8;
 inline constexpr double kWorstSigma = 0.5;
 inline constexpr std::size_t kMostElements = 1'000;
 

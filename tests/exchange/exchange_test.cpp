@@ -631,7 +631,8 @@ TEST_CASE("rows of a list of export that contradict each other, or options, are 
         Case{with_last("R,right,", "R,left,"), "", "[side-mismatch]"},
         Case{whole, " --x-axis left", "the list says right"},
         Case{whole, " --check-digit sum10", "the list says gs1"},
-        Case{whole, " --template tag-400x300", "the list says tag-800x430"},
+        Case{whole, " --template tag-400x300",
+             "the list says the template tag-800x430, not tag-400x300"},
         Case{whole, " --tunnel-height 5", "--tunnel-height is for lists"},
         Case{whole, " --mount-height 5", "--mount-height is for lists"}}) {
     CAPTURE(std::string(each.told));
@@ -639,6 +640,36 @@ TEST_CASE("rows of a list of export that contradict each other, or options, are 
         draft(folder.path(), each.text, "--order own" + std::string(each.arguments));
     CHECK(refused.exit_code == 2);
     CHECK_MESSAGE(refused.err.find(each.told) != std::string::npos, refused.err);
+  }
+}
+
+TEST_CASE("a list of export is not read with another plate of the same name") {
+  const TemporaryFolder folder;
+  std::string plate = read_file("templates/tag-400x300.yaml").value();
+  const std::regex inner(R"(inner: \[[^\]]*\])");
+  REQUIRE(std::regex_search(plate, inner));
+  plate = std::regex_replace(plate, inner, "inner: [0.3087, 0.1512]");
+  fs::create_directories(folder.path() / "mine");
+  write_text(folder.path() / "mine" / "tag-400x300.yaml", plate);
+  const std::string survey = read_file("surveys/corridor/survey.yaml").value();
+  write_text(folder.path() / "mine" / "survey.yaml", survey);
+  for (const auto& [format, arguments] : {std::pair("csv", "--order own"),
+                                          {"landxml", "--tunnel-height 3"},
+                                          {"gsi", "--tunnel-height 3 --mount-height 1"}}) {
+    CAPTURE(std::string(format));
+    const fs::path list = folder.path() / ("tags." + std::string(format));
+    const ProgramOutput exported = run_tagsmith(
+        "export " + quoted(folder.path() / "mine" / "survey.yaml") + " -o " + quoted(list));
+    REQUIRE_MESSAGE(exported.exit_code == 0, exported.err);
+    const std::string text = read_file(list).value();
+    const ProgramOutput other = draft(folder.path(), text, arguments);
+    CHECK(other.exit_code == 2);
+    CHECK_MESSAGE(other.err.find("with a frame of 0.3087 x 0.1512 m") != std::string::npos,
+                  other.err);
+    const ProgramOutput same =
+        draft(folder.path(), text, std::string(arguments) + " --template ../mine/tag-400x300.yaml");
+    CHECK_MESSAGE(same.exit_code == 0, same.err);
+    fs::remove_all(folder.path() / "out");
   }
 }
 

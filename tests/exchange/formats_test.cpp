@@ -280,7 +280,7 @@ TEST_CASE("tags that hang, with digits that nobody knows or a code that nobody k
     const ProgramOutput refused =
         draft(folder.path(), whole, "--tunnel-height 3 " + std::string(option));
     CHECK(refused.exit_code == 2);
-    CHECK(refused.err.find("the list says") != std::string::npos);
+    CHECK_MESSAGE(refused.err.find("the list says") != std::string::npos, refused.err);
   }
   CHECK(draft(folder.path(), whole, arguments + " --check-digit gs1").exit_code == 0);
 }

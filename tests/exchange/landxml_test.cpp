@@ -169,6 +169,27 @@ TEST_CASE("alignments and profiles that contradict themselves are refused") {
   }
 }
 
+TEST_CASE("a curve that is nearly a line is taken as it is") {
+  // 100 m of 200 km radius between lines: 6 mm of sagitta.
+  const double angle = 100 / 2e5;
+  const double y = 1020 + 2e5 * std::sin(angle);
+  const double x = 500 + 2e5 * (1 - std::cos(angle));
+  const std::string elements = fmt::format(
+      "<Line><Start>1000 500</Start><End>1020 500</End></Line>"
+      "<Curve rot=\"cw\" radius=\"200000\" length=\"100\"><Start>1020 500</Start>"
+      "<Center>1020 200500</Center><End>{0:.6f} {1:.6f}</End></Curve>"
+      "<Line><Start>{0:.6f} {1:.6f}</Start><End>{2:.6f} {3:.6f}</End></Line>",
+      y, x, y + 20 * std::cos(angle), x + 20 * std::sin(angle));
+  const TemporaryFolder folder;
+  const ProgramOutput made = draft(
+      folder.path(), landxml(elements, profile("<PVI>0 100</PVI><PVI>200 100</PVI>")), kLayout);
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+  CHECK(survey.tunnel.centerline.elements().size() == 3);
+  CHECK((survey.tunnel.centerline.at(120).position.head<2>() - Eigen::Vector2d(x, y)).norm() <
+        1e-4);
+}
+
 TEST_CASE("a grid in feet is left out, with a word, where a file in feet becomes metres") {
   const auto head = [](const char* unit, int epsg) {
     return fmt::format(

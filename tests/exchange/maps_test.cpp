@@ -249,7 +249,7 @@ TEST_CASE("GSI-16 has words of sixteen characters, tenths of millimetres") {
   // First the template, the code and the grid, in blocks of codes.
   const auto codes =
       std::erase_if(lines, [](const std::string& line) { return line.starts_with("*41"); });
-  CHECK(codes == 12);
+  CHECK(codes == 16);
   REQUIRE(lines.size() == made->survey.tags.size() + 1);
   for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
     const PlacedTag& tag = made->survey.tags[i];

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What holds for all tags of a list that `tagsmith export` wrote.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+struct ListedSurvey {
+  std::string tag_template;
+  // Length and height of the plate, and inner ones of its frame, metres; lists of older versions do
+  // not have them.
+  std::optional<std::array<double, 4>> plate;
+  PositionCode code;
+  Grid grid;
+};
+
+// The code under which LandXML (a Feature) and GSI (blocks 41) say it.
+inline constexpr const char* kListedSurvey = "TAGSMITH";
+
+// As a list says it.
+inline std::array<double, 4> listed_plate(const TagTemplate& tag) {
+  return {tag.plate_length, tag.plate_height, tag.frame_inner_length, tag.frame_inner_height};
+}
+
+}  // namespace tagsmith::detail
