@@ -97,6 +97,9 @@ void for_each_line(std::string_view text, Use use) {
   }
 }
 
+// "CIRCLE (2), HATCH (1)": the names with their counts, the first ten.
+std::string counted_text(const std::map<std::string, int>& counts);
+
 // Adds the point; false, with a finding, when there are too many.
 bool add_point(RawPoints& points, RawPoint point, FindingLog& log);
 
