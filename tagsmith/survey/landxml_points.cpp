@@ -390,11 +390,13 @@ void read_alignments(const pugi::xml_node& root, const std::vector<std::string>&
                      const TextPlaces& places, RawPoints& result, FindingLog& log) {
   std::vector<pugi::xml_node> alignments;
   std::string names;
-  for (const pugi::xml_node& each : root.child("Alignments").children("Alignment")) {
-    const std::string name = each.attribute("name").value();
-    if (std::ranges::find(ignore, name) != ignore.end()) continue;
-    names += (names.empty() ? "" : ", ") + name.substr(0, 60);
-    alignments.push_back(each);
+  for (const pugi::xml_node& collection : root.children("Alignments")) {
+    for (const pugi::xml_node& each : collection.children("Alignment")) {
+      const std::string name = each.attribute("name").value();
+      if (std::ranges::find(ignore, name) != ignore.end()) continue;
+      names += (names.empty() ? "" : ", ") + name.substr(0, 60);
+      alignments.push_back(each);
+    }
   }
   if (alignments.empty()) return;
   if (alignments.size() > 1) {

@@ -59,8 +59,10 @@ std::optional<double> last_digit(char unit) {
   return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }
 
-// The twelve digits of a tag, which zeros pad; else the text as it is.
+// The twelve digits of a tag, which zeros pad; else the text as it is. Zeros alone are an empty
+// word.
 std::string gsi_digits(std::string_view data) {
+  if (without_zeros(data).empty()) return {};
   constexpr std::size_t kDigits = 12;
   const std::size_t zeros = data.size() - std::min(data.size(), kDigits);
   const bool padded = data.substr(0, zeros).find_first_not_of('0') == std::string_view::npos;

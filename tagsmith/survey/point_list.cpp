@@ -318,10 +318,10 @@ void check_digits(const PointList& list, FindingLog& log) {
   const auto first = std::ranges::find_if(list.points, lacks_digits);
   if (first != list.points.end()) {
     log.warning({first->line, 0}, "unknown-digits",
-                fmt::format("{} tags have names, but the list does not say their digits, the first "
-                            "is {}: the draft's codes need not be those of plates that hang",
-                            std::ranges::count_if(list.points, lacks_digits),
-                            tag_name(first->tag->pair, first->tag->side)),
+                fmt::format("tag {} has a name, but the list does not say its digits ({} such in "
+                            "all): the draft's codes need not be those of plates that hang",
+                            tag_name(first->tag->pair, first->tag->side),
+                            std::ranges::count_if(list.points, lacks_digits)),
                 "write the digits of plates that hang into the draft, as `digits`, or draft it "
                 "from the survey's own export; do not localize with it before");
   }

@@ -102,6 +102,14 @@ TEST_CASE("a profile says heights where it is, and which profile is meant is not
   CHECK(std::abs(survey.tunnel.centerline.at(100).position.z() - 110) < 0.002);
   fs::remove_all(folder.path() / "out");
 
+  // Of alignments likewise, also where a second collection has the other.
+  std::string others = landxml(kLine, short_of_it);
+  others.insert(others.find("</LandXML>"), "<Alignments><Alignment name=\"other\"><CoordGeom>" +
+                                               kLine + "</CoordGeom></Alignment></Alignments>");
+  const ProgramOutput lines = draft(folder.path(), others, kLayout);
+  CHECK(lines.exit_code == 2);
+  CHECK(lines.err.find("axis, other [several-alignments]") != std::string::npos);
+
   const std::string two =
       profile("<PVI>0 90</PVI><PVI>100 92</PVI>", "existing") +
       "<Profile><ProfSurf name=\"rock\"><PntList2D>0 90 100 92</PntList2D></ProfSurf>"
