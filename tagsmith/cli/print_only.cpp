@@ -59,6 +59,7 @@ Wanted from_words(const std::string& line) {
 
 Result<TagsToPrint> read_tags_to_print(const std::string& path, std::istream& standard_input) {
   constexpr std::size_t kMostBytes = 64U << 20U;
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   std::string text;
   if (path == "-") {
     text.assign(std::istreambuf_iterator<char>(standard_input), {});
@@ -67,6 +68,7 @@ Result<TagsToPrint> read_tags_to_print(const std::string& path, std::istream& st
     if (!bytes) return fail(bytes.error().message);
     text = *bytes;
   }
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   TagsToPrint tags;
   int number = 0;
   for (const std::string& raw : split(text, '\n')) {

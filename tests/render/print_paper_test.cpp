@@ -229,7 +229,7 @@ TEST_CASE("diff tells what to do, and print --only prints what it asks for") {
   for (const char* form : {"", "--json "}) {
     const ProgramOutput diff = run_tagsmith("diff " + std::string(form) + surveys);
     const fs::path list = folder.path() / "changes.txt";
-    REQUIRE(write_file(list, diff.out));
+    REQUIRE(write_file(list, "\xEF\xBB\xBF" + diff.out));  // as editors write it
     const fs::path out = folder.path() / "out";
     const ProgramOutput printed =
         print(survey.string(), out, "--format pdf --only '" + list.string() + "'");
