@@ -105,9 +105,10 @@ std::vector<DxfVertex> points_of(const DxfEntity& entity, double metre) {
     std::ranges::copy(points_between(points.back(), next, metre), std::back_inserter(points));
   }
   const bool in_own_axes = is_2d || entity.type == "LWPOLYLINE" || entity.type == "INSERT";
+  const Eigen::Matrix3d axes = world_from_entity(entity);
   for (DxfVertex& point : points) {
     point.p.z() += entity.elevation;
-    if (in_own_axes) point.p = world_from_entity(entity) * point.p;
+    if (in_own_axes) point.p = axes * point.p;
   }
   return points;
 }
