@@ -171,7 +171,8 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
     values["wrong_range"] = {{"text", to_string(*findings.range)},
                              {"range", findings.range->name},
                              {"metres", findings.range->metres},
-                             {"sigmas", findings.range->sigmas}};
+                             {"sigmas", findings.range->sigmas},
+                             {"tags_may_be_wrong", findings.range->tags_may_be_wrong}};
   }
   if (!findings.another_drive.empty()) values["another_drive"] = findings.another_drive;
   if (!findings.checked.mixed.empty()) values["mixed_rows"] = findings.checked.mixed;

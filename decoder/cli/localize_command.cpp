@@ -389,7 +389,10 @@ void print_doubts(const RunFindings& findings) {
   constexpr const char* kDoubt = "do not rely on these positions";
   if (findings.turned) to_stdout("{}: {}\n", kDoubt, to_string(*findings.turned));
   if (findings.height) to_stdout("{}: {}\n", kDoubt, to_string(*findings.height));
-  if (findings.range) to_stdout("{}: {}\n", kDoubt, to_string(*findings.range));
+  if (findings.range) {
+    to_stdout("{}: {}\n", findings.range->tags_may_be_wrong ? kDoubt : "note",
+              to_string(*findings.range));
+  }
 }
 
 // What can be known to be wrong before the work.
@@ -504,8 +507,8 @@ int run_localize(LocalizeOptions options) {
     print_doubts(findings);
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  const bool is_in_doubt =
-      findings.suspicion || findings.turned || findings.height || findings.range;
+  const bool is_in_doubt = findings.suspicion || findings.turned || findings.height ||
+                           (findings.range && findings.range->tags_may_be_wrong);
   return std::ranges::all_of(fixes, is_located) && !lacks_pictures && !is_in_doubt ? kExitOk
                                                                                    : kExitFindings;
 }

@@ -44,6 +44,13 @@ std::optional<std::complex<double>> twice_the_angle(const Fix& from, const Fix& 
   return std::polar(1.0, 2 * (direction - std::arg(heading)));
 }
 
+// How far the position may be off by a mistake that the measurement does not reveal, metres.
+double greatest_unnoticed(const Fix& fix) {
+  double greatest = 0;
+  for (const Unchecked& mistake : fix.unchecked) greatest = std::max(greatest, mistake.metres);
+  return greatest;
+}
+
 bool is_of_use(const Fix& fix) {
   return fix.position_in_grid && fix.covariance_in_grid && fix.attitude && !fix.predicted;
 }
@@ -98,14 +105,17 @@ std::optional<WrongRange> wrong_range(std::span<const Fix> fixes, const Rig& rig
   constexpr std::size_t kLeastRows = 5;
   for (const RigRange& range : rig.ranges) {
     std::vector<double> metres, sigmas;
+    std::size_t explained = 0;
     for (const Fix& fix : fixes) {
       const auto checked = std::ranges::find(fix.checked_ranges, range.name, &CheckedRange::name);
       if (!is_of_use(fix) || checked == fix.checked_ranges.end()) continue;
       metres.push_back(checked->metres);
       sigmas.push_back(checked->sigmas);
+      if (std::abs(checked->metres) <= greatest_unnoticed(fix)) ++explained;
     }
     if (metres.size() < kLeastRows) continue;
     WrongRange wrong{range.name, quantile(metres, 0.5), quantile(sigmas, 0.5), metres.size()};
+    wrong.tags_may_be_wrong = 2 * explained > wrong.rows;
     const bool on_one_side = quantile(sigmas, 0.25) * quantile(sigmas, 0.75) > 0;
     if (on_one_side && std::abs(wrong.sigmas) >= kMostSigmas) return wrong;
   }
@@ -121,13 +131,14 @@ Fix LiveDoubts::judged(Fix fix, const std::vector<Survey>& surveys, const Rig& r
   kept.covariance_in_grid = fix.covariance_in_grid;
   kept.attitude = fix.attitude;
   kept.checked_ranges = fix.checked_ranges;
+  kept.unchecked = fix.unchecked;
   if (last_.size() == kMost) last_.erase(last_.begin());
   last_.push_back(std::move(kept));
   if (const auto height = wrong_height(last_, surveys, rig)) {
     fix.doubt = to_string(*height);
   } else if (const auto turned = turned_headings(last_)) {
     fix.doubt = to_string(*turned);
-  } else if (const auto range = wrong_range(last_, rig)) {
+  } else if (const auto range = wrong_range(last_, rig); range && range->tags_may_be_wrong) {
     fix.doubt = to_string(*range);
   }
   if (!fix.doubt.empty()) {
@@ -140,10 +151,11 @@ Fix LiveDoubts::judged(Fix fix, const std::vector<Survey>& surveys, const Rig& r
 std::string to_string(const WrongRange& wrong) {
   return fmt::format(
       "range {} is {:.3f} m {} than the tags say, on the median of {} rows ({:.1f} standard "
-      "deviations): the focal length of a camera, the size of the plates, the place of the range "
-      "sensor or the wall's place in the survey is wrong",
+      "deviations): {}the place of the range sensor, what it measures or the wall's place in the "
+      "survey is wrong",
       wrong.name, std::abs(wrong.metres), wrong.metres > 0 ? "longer" : "shorter", wrong.rows,
-      std::abs(wrong.sigmas));
+      std::abs(wrong.sigmas),
+      wrong.tags_may_be_wrong ? "the focal length of a camera, the size of the plates, " : "");
 }
 
 std::string to_string(const WrongHeight& wrong) {

@@ -47,6 +47,9 @@ struct WrongRange {
   double metres = 0;     // median of the rows, negative = shorter
   double sigmas = 0;     // standard deviations of the difference, median
   std::size_t rows = 0;  // that were compared
+  // Whether in most rows a mistake that the tags do not reveal (Fix::unchecked) is large enough to
+  // explain it. Else they check each other, and the sensor or the wall is what is wrong.
+  bool tags_may_be_wrong = false;
 };
 
 // The range that lies 2.5 standard deviations and more to the same side of what the tags say on the
@@ -59,7 +62,7 @@ std::optional<WrongRange> wrong_range(std::span<const Fix> fixes, const Rig& rig
 class LiveDoubts {
  public:
   // The fix; while the last ones show together that they are not to be relied on, with this as a
-  // note and nothing that confirms it.
+  // note and nothing that confirms it. A range counts where the tags may be wrong.
   Fix judged(Fix fix, const std::vector<Survey>& surveys, const Rig& rig);
 
  private:

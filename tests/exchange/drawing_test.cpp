@@ -12,6 +12,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/exchange/drift_points.hpp"
+#include "tests/exchange/dxf_group.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
@@ -22,13 +23,7 @@ using Eigen::Vector2d;
 
 namespace {
 
-const std::string kLayout = "--tunnel-height 3 --height 1.2 --spacing 2";
-
-std::string group(int code, const std::string& value) {
-  return fmt::format("{:>3}\n{}\n", code, value);
-}
-
-std::string group(int code, double value) { return group(code, fmt::format("{:.6f}", value)); }
+const std::string kDrawnLayout = "--tunnel-height 3 --height 1.2 --spacing 2";
 
 std::string drawing(const std::string& entities) {
   return group(0, "SECTION") + group(2, "HEADER") + group(9, "$INSUNITS") + group(70, "6") +
@@ -96,7 +91,7 @@ TEST_CASE("arcs of polylines are drawn as arcs") {
     CAPTURE(std::string(each.name));
     const TemporaryFolder folder;
     const ProgramOutput made =
-        draft(folder.path(), drawing(each.entities), each.arguments + kLayout);
+        draft(folder.path(), drawing(each.entities), each.arguments + kDrawnLayout);
     REQUIRE_MESSAGE(made.exit_code == 0, made.err);
     const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
     const Centerline& line = survey.tunnel.centerline;
@@ -120,7 +115,7 @@ TEST_CASE("vertices of spline frames and meshes are left out, and named") {
                            group(20, 1060.0) + group(0, "SEQEND");
   const TemporaryFolder folder;
   const ProgramOutput made =
-      draft(folder.path(), drawing(with_frame + mesh), "--width 4 " + kLayout);
+      draft(folder.path(), drawing(with_frame + mesh), "--width 4 " + kDrawnLayout);
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   CHECK(made.err.find("POLYLINE of a mesh (1), VERTEX of a spline's frame (1)") !=
         std::string::npos);
@@ -152,7 +147,8 @@ TEST_CASE("entities in coordinates of their own lie where the drawing shows them
                  normal(0, -1, 0) + group(10, 520.0) + group(20, 100.0) + group(30, -1100.0)}}) {
     CAPTURE(std::string(each.name));
     const TemporaryFolder folder;
-    const ProgramOutput made = draft(folder.path(), drawing(each.entities), "--width 4 " + kLayout);
+    const ProgramOutput made =
+        draft(folder.path(), drawing(each.entities), "--width 4 " + kDrawnLayout);
     REQUIRE_MESSAGE(made.exit_code == 0, made.err);
     const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
     const Centerline& line = survey.tunnel.centerline;
@@ -164,7 +160,7 @@ TEST_CASE("entities in coordinates of their own lie where the drawing shows them
   }
   const TemporaryFolder folder;
   const std::string none = light("CL", {{500, 1000}, {520, 1100}}, 100, normal(0, 0, 0));
-  const ProgramOutput refused = draft(folder.path(), drawing(none), "--width 4 " + kLayout);
+  const ProgramOutput refused = draft(folder.path(), drawing(none), "--width 4 " + kDrawnLayout);
   CHECK(refused.exit_code == 2);
   CHECK(refused.err.find("extrusion direction") != std::string::npos);
 }
@@ -172,7 +168,7 @@ TEST_CASE("entities in coordinates of their own lie where the drawing shows them
 TEST_CASE("a drawing without heights is told") {
   const TemporaryFolder folder;
   const std::string flat = light("CL", {{500, 1000}, {520, 1100}}, 0);
-  const ProgramOutput made = draft(folder.path(), drawing(flat), "--width 4 " + kLayout);
+  const ProgramOutput made = draft(folder.path(), drawing(flat), "--width 4 " + kDrawnLayout);
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   CHECK(made.err.find("[flat-drawing]") != std::string::npos);
 }
@@ -188,7 +184,7 @@ TEST_CASE("points that only other records of a field book describe are named") {
   }
   book += "GS,PN77,N 1010.0,E 498.0,EL101.2,--TL\n--TL of another shift\n";
   const TemporaryFolder folder;
-  const ProgramOutput made = draft(folder.path(), book, kLayout);
+  const ProgramOutput made = draft(folder.path(), book, kDrawnLayout);
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   CHECK_MESSAGE(made.err.find("left out: GS (1) [left-out]") != std::string::npos, made.err);
 }

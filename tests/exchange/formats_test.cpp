@@ -15,6 +15,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/exchange/drift_points.hpp"
+#include "tests/exchange/dxf_group.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
@@ -109,10 +110,6 @@ std::string landxml(const std::string& content, const std::string& unit) {
   return "<?xml version=\"1.0\"?>\n<LandXML xmlns=\"http://www.landxml.org/schema/LandXML-1.2\" "
          "version=\"1.2\">\n<Units>" +
          unit + "</Units>\n<CoordinateSystem epsgCode=\"25832\"/>\n" + content + "</LandXML>\n";
-}
-
-std::string group(int code, const std::string& value) {
-  return fmt::format("{:>3}\n{}\n", code, value);
 }
 
 std::string place(int code, const Eigen::Vector3d& p) {

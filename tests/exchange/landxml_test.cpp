@@ -22,13 +22,13 @@ namespace {
 
 const std::string kLine =
     "<Line><Start>1000 500</Start><End>1100 500</End></Line>";  // 100 m to the north
-const std::string kLayout = "--width 4 --tunnel-height 3 --height 1.2 --spacing 2";
+const std::string kAlignedLayout = "--width 4 --tunnel-height 3 --height 1.2 --spacing 2";
 
 std::string profile(const std::string& points, const std::string& name = "p") {
   return "<Profile><ProfAlign name=\"" + name + "\">" + points + "</ProfAlign></Profile>";
 }
 
-std::string landxml(const std::string& elements, const std::string& profiles,
+std::string aligned(const std::string& elements, const std::string& profiles,
                     const std::string& head = "<Units><Metric linearUnit=\"meter\"/></Units>") {
   return "<?xml version=\"1.0\"?>\n"
          "<LandXML xmlns=\"http://www.landxml.org/schema/LandXML-1.2\" version=\"1.2\">\n" +
@@ -80,7 +80,8 @@ TEST_CASE("vertical curves of a profile are the floor's, to two millimetres") {
              }}}) {
     CAPTURE(std::string(each.name));
     const TemporaryFolder folder;
-    const ProgramOutput made = draft(folder.path(), landxml(kLine, profile(each.points)), kLayout);
+    const ProgramOutput made =
+        draft(folder.path(), aligned(kLine, profile(each.points)), kAlignedLayout);
     REQUIRE_MESSAGE(made.exit_code == 0, made.err);
     const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
     for (double s = 0; s <= 100; s += 0.7) {
@@ -94,7 +95,7 @@ TEST_CASE("vertical curves of a profile are the floor's, to two millimetres") {
 TEST_CASE("a profile says heights where it is, and which profile is meant is not guessed") {
   const TemporaryFolder folder;
   const std::string short_of_it = profile("<PVI>0 100</PVI><PVI>60 106</PVI>");
-  const ProgramOutput ends = draft(folder.path(), landxml(kLine, short_of_it), kLayout);
+  const ProgramOutput ends = draft(folder.path(), aligned(kLine, short_of_it), kAlignedLayout);
   REQUIRE_MESSAGE(ends.exit_code == 0, ends.err);
   CHECK(ends.err.find("from station 0 to 60, the alignment from 0 to 100") != std::string::npos);
   CHECK(ends.err.find("[short-profile]") != std::string::npos);
@@ -103,10 +104,10 @@ TEST_CASE("a profile says heights where it is, and which profile is meant is not
   fs::remove_all(folder.path() / "out");
 
   // Of alignments likewise, also where a second collection has the other.
-  std::string others = landxml(kLine, short_of_it);
+  std::string others = aligned(kLine, short_of_it);
   others.insert(others.find("</LandXML>"), "<Alignments><Alignment name=\"other\"><CoordGeom>" +
                                                kLine + "</CoordGeom></Alignment></Alignments>");
-  const ProgramOutput lines = draft(folder.path(), others, kLayout);
+  const ProgramOutput lines = draft(folder.path(), others, kAlignedLayout);
   CHECK(lines.exit_code == 2);
   CHECK(lines.err.find("axis, other [several-alignments]") != std::string::npos);
 
@@ -114,11 +115,11 @@ TEST_CASE("a profile says heights where it is, and which profile is meant is not
       profile("<PVI>0 90</PVI><PVI>100 92</PVI>", "existing") +
       "<Profile><ProfSurf name=\"rock\"><PntList2D>0 90 100 92</PntList2D></ProfSurf>"
       "<ProfAlign name=\"design\"><PVI>0 100</PVI><PVI>100 105</PVI></ProfAlign></Profile>";
-  const ProgramOutput both = draft(folder.path(), landxml(kLine, two), kLayout);
+  const ProgramOutput both = draft(folder.path(), aligned(kLine, two), kAlignedLayout);
   CHECK(both.exit_code == 2);
   CHECK(both.err.find("existing, design [several-alignments]") != std::string::npos);
   const ProgramOutput one =
-      draft(folder.path(), landxml(kLine, two), kLayout + " --ignore existing");
+      draft(folder.path(), aligned(kLine, two), kAlignedLayout + " --ignore existing");
   REQUIRE_MESSAGE(one.exit_code == 0, one.err);
   const Survey design = load_survey(folder.path() / "out" / "survey.yaml").value();
   CHECK(std::abs(design.tunnel.centerline.at(100).position.z() - 105) < 0.002);
@@ -163,7 +164,7 @@ TEST_CASE("alignments and profiles that contradict themselves are refused") {
     CAPTURE(std::string(each.name));
     const TemporaryFolder folder;
     const ProgramOutput refused =
-        draft(folder.path(), landxml(each.elements, each.profile), kLayout);
+        draft(folder.path(), aligned(each.elements, each.profile), kAlignedLayout);
     CHECK(refused.exit_code == 2);
     CHECK_MESSAGE(refused.err.find(each.told) != std::string::npos, refused.err);
     CHECK_FALSE(fs::exists(folder.path() / "out"));
@@ -172,7 +173,7 @@ TEST_CASE("alignments and profiles that contradict themselves are refused") {
                            "rot=\"cw\" delta=\"1.570796\"", "rot=\"cw\" delta=\"100.0000\""}) {
     CAPTURE(std::string(good));
     const TemporaryFolder folder;
-    const ProgramOutput made = draft(folder.path(), landxml(curve(good), level), kLayout);
+    const ProgramOutput made = draft(folder.path(), aligned(curve(good), level), kAlignedLayout);
     CHECK_MESSAGE(made.exit_code == 0, made.err);
   }
 }
@@ -189,8 +190,9 @@ TEST_CASE("a curve that is nearly a line is taken as it is") {
       "<Line><Start>{0:.6f} {1:.6f}</Start><End>{2:.6f} {3:.6f}</End></Line>",
       y, x, y + 20 * std::cos(angle), x + 20 * std::sin(angle));
   const TemporaryFolder folder;
-  const ProgramOutput made = draft(
-      folder.path(), landxml(elements, profile("<PVI>0 100</PVI><PVI>200 100</PVI>")), kLayout);
+  const ProgramOutput made =
+      draft(folder.path(), aligned(elements, profile("<PVI>0 100</PVI><PVI>200 100</PVI>")),
+            kAlignedLayout);
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
   CHECK(survey.tunnel.centerline.elements().size() == 3);
@@ -210,7 +212,7 @@ TEST_CASE("a grid in feet is left out, with a word, where a file in feet becomes
   for (const int epsg : {2225, 25832}) {  // a grid in feet, and one that says nothing of its feet
     const TemporaryFolder folder;
     const ProgramOutput made =
-        draft(folder.path(), landxml(feet, level, head("USSurveyFoot", epsg)), kLayout);
+        draft(folder.path(), aligned(feet, level, head("USSurveyFoot", epsg)), kAlignedLayout);
     REQUIRE_MESSAGE(made.exit_code == 0, made.err);
     CHECK_MESSAGE(made.err.find(fmt::format("EPSG:{} is left out", epsg)) != std::string::npos,
                   made.err);
@@ -219,7 +221,7 @@ TEST_CASE("a grid in feet is left out, with a word, where a file in feet becomes
   }
   const TemporaryFolder folder;
   const ProgramOutput metres =
-      draft(folder.path(), landxml(kLine, level, head("meter", 26941)), kLayout);
+      draft(folder.path(), aligned(kLine, level, head("meter", 26941)), kAlignedLayout);
   REQUIRE_MESSAGE(metres.exit_code == 0, metres.err);
   CHECK(load_survey(folder.path() / "out" / "survey.yaml").value().grid.epsg == 26941);
 }

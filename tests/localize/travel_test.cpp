@@ -95,12 +95,17 @@ TEST_CASE("a range that is longer than the tags say in most rows is told, echoes
     for (const double difference : sigmas) {
       fixes.push_back(fix_at(1, static_cast<double>(fixes.size()), 0));
       fixes.back().checked_ranges = {{name, 0.01 * difference, difference}};
+      fixes.back().unchecked = {{Unchecked::Kind::lens, "left", 0.03},
+                                {Unchecked::Kind::moment, "", 0}};
     }
     return wrong_range(fixes, rig);
   };
   REQUIRE(told({2.4, 2.8, 3.1, 2.6, 2.9}));
   CHECK(told({2.4, 2.8, 3.1, 2.6, 2.9})->metres == doctest::Approx(0.028));
-  CHECK(told({-7, -6, -6.5, -7.2, 0.3, -6.4}));
+  CHECK(told({2.4, 2.8, 3.1, 2.6, 2.9})->tags_may_be_wrong);
+  // The tags would show a mistake of more than 3 cm.
+  REQUIRE(told({-7, -6, -6.5, -7.2, 0.3, -6.4}));
+  CHECK_FALSE(told({-7, -6, -6.5, -7.2, 0.3, -6.4})->tags_may_be_wrong);
   CHECK_FALSE(told({2.8, 3.1, 2.6, 2.9}));
   CHECK_FALSE(told({0.2, -0.5, 140, 60, 0.8}));
   CHECK_FALSE(told({0.2, 2.8, 3, 0.5, 1}));
