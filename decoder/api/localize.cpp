@@ -7,11 +7,10 @@
 
 #include "decoder/api/data.hpp"
 #include "decoder/localize/joint_method.hpp"
-#include "decoder/localize/live_track.hpp"
 #include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/repeated_pictures.hpp"
-#include "decoder/localize/travel.hpp"
+#include "decoder/plates/live_drive.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/check_together.hpp"
 
@@ -133,9 +132,8 @@ struct Localizer::State {
   std::vector<detail::Survey> surveys;
   Rig rig;
   LocalizerOptions options;
-  std::optional<detail::LiveTrack> motion{};
+  detail::LiveDrive drive{surveys, rig.data().rig};
   detail::PictureMemory pictures{};
-  detail::LiveDoubts doubts{};
 
   Fix answer(detail::Fix fix) const {
     return fix_from(options.confirmed_only ? if_confirmed(std::move(fix)) : fix);
@@ -165,25 +163,21 @@ Fix Localizer::locate(const Measurement& measurement) const {
 
 Fix Localizer::track(const Measurement& measurement) {
   if (measurement.time && !std::isfinite(*measurement.time)) throw_invalid("time is no number");
-  const std::vector<detail::Survey>& surveys = state_->surveys;
   const detail::Rig& rig = state_->rig.data().rig;
-  std::optional<detail::LiveTrack>& motion = state_->motion;
-  detail::Observation observation = observation_from(measurement, surveys, rig);
-  observation.time = measurement.time;
-  const std::vector<detail::CameraImage> images =
-      state_->pictures.new_ones(images_from(measurement, rig), observation);
-  const auto prior = measurement.time && motion
-                         ? prior_at(*motion, *measurement.time, surveys, detail::MotionModel{})
-                         : std::nullopt;
-  detail::Fix fix = detail::locate_with(std::move(observation), images, surveys, rig, prior);
-  if (measurement.time) fix = follow_track(motion, std::move(fix), *measurement.time, surveys);
-  return state_->answer(state_->doubts.judged(std::move(fix), surveys, rig));
+  const auto locate_in = [&](const std::vector<detail::Survey>& surveys,
+                             const std::optional<detail::PosePrior>& prior,
+                             detail::Observation& seen) {
+    seen = observation_from(measurement, surveys, rig);
+    seen.time = measurement.time;
+    const auto images = state_->pictures.new_ones(images_from(measurement, rig), seen);
+    return detail::locate_with(seen, images, surveys, rig, prior);
+  };
+  return state_->answer(state_->drive.next(locate_in, measurement.time));
 }
 
 void Localizer::reset() {
-  state_->motion.reset();
+  state_->drive = detail::LiveDrive(state_->surveys, state_->rig.data().rig);
   state_->pictures = {};
-  state_->doubts = {};
 }
 
 }  // namespace tagsmith

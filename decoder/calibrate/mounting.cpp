@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "decoder/calibrate/drive_fit.hpp"
+#include "decoder/plates/drive_fit.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"

@@ -10,10 +10,10 @@
 
 #include <Eigen/Core>
 
-#include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/travel.hpp"
-#include "decoder/verify/set_aside.hpp"
+#include "decoder/plates/rig_suspicion.hpp"
+#include "decoder/plates/set_aside.hpp"
 #include "tagsmith/survey/run.hpp"
 
 namespace tagsmith::detail {

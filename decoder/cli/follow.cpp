@@ -2,14 +2,9 @@
 #include "decoder/cli/follow.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <cstdio>
-#include <deque>
-#include <filesystem>
 #include <iostream>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,12 +12,9 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <sys/stat.h>
 
 #include "decoder/cli/fix_json.hpp"
-#include "decoder/localize/repeated_pictures.hpp"
-#include "decoder/localize/travel.hpp"
-#include "decoder/verify/set_aside.hpp"
+#include "decoder/plates/live_drive.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
@@ -81,117 +73,12 @@ Result<Measurement> measurement_from(const Json& object, const Rig& rig) {
   return measurement;
 }
 
-// Whether tags contradict each other, or the motion.
-bool is_contradicted(const Fix& fix) {
-  const auto is_tag = [](const Dropped& dropped) { return !dropped.camera.empty(); };
-  const bool refused = !fix.position_in_grid && fix.tags.size() > 1;
-  return refused || std::ranges::any_of(fix.dropped, is_tag);
-}
-
-// What tells whether a file is still the one that it was.
-using FileState = std::array<std::int64_t, 5>;
-
-std::optional<FileState> state_of(const std::filesystem::path& file) {
-  struct stat found {};
-  if (file.empty() || ::stat(file.c_str(), &found) != 0) return std::nullopt;
-  return FileState{static_cast<std::int64_t>(found.st_dev), static_cast<std::int64_t>(found.st_ino),
-                   found.st_size, found.st_mtim.tv_sec, found.st_mtim.tv_nsec};
-}
-
-// Of each camera that has a picture.
-std::map<std::string, FileState> picture_states(const Measurement& measurement) {
-  std::map<std::string, FileState> states;
-  for (const auto& [name, camera] : measurement.cameras) {
-    if (const auto state = state_of(camera.image)) states.emplace(name, *state);
-  }
-  return states;
-}
-
-// The last measurements, and which tags they show to hang elsewhere than surveyed.
-class RunSoFar {
- public:
-  explicit RunSoFar(const FollowInput& input) : input_(input), surveys_(input.surveys) {}
-
-  // The surveys without the tags that are set aside.
-  const std::vector<Survey>& surveys() const { return surveys_; }
-
-  // `pictures`: the states of its files before they were read.
-  void remember(const Measurement& measurement, std::map<std::string, FileState> pictures,
-                bool contradicted) {
-    constexpr std::size_t kMost = 40;
-    last_.push_back({measurement, std::move(pictures), contradicted, std::nullopt});
-    if (last_.size() > kMost) last_.pop_front();
-  }
-
-  // Sets aside what the last measurements are certain of where one of them is contradicted, and
-  // says what is new.
-  std::vector<std::string> set_aside() {
-    if (std::ranges::none_of(last_, &Past::contradicted)) return {};
-    std::vector<Observation> rows;
-    for (Past& past : last_) {
-      if (!past.seen) past.seen = input_.observe(still_there(past));
-      rows.push_back(*past.seen);
-      // Two lines are two moments, whether or not they say when.
-      if (!rows.back().time) rows.back().time = -static_cast<double>(rows.size());
-    }
-    leave_out_repeated(rows);
-    std::vector<std::string> told;
-    for (const SetAside& tag : set_aside_misplaced(rows, input_.surveys, input_.rig).aside) {
-      const auto removed = std::erase_if(surveys_[tag.survey].tags, [&](const PlacedTag& placed) {
-        return placed.name == tag.tag;
-      });
-      if (removed > 0) told.push_back("set aside from here on: " + tag.message);
-    }
-    if (!told.empty()) {
-      for (Past& past : last_) past.contradicted = false;
-    }
-    return told;
-  }
-
- private:
-  struct Past {
-    Measurement measurement;
-    std::map<std::string, FileState> pictures;
-    bool contradicted = false;  // and nothing was set aside since
-    std::optional<Observation> seen;
+Fix locate(const Measurement& measurement, const FollowInput& input, LiveDrive& drive) {
+  const auto one = [&](const std::vector<Survey>& surveys, const std::optional<PosePrior>& prior,
+                       Observation& seen) {
+    return input.locate(measurement, surveys, prior, seen);
   };
-
-  // Without the pictures whose files were written anew or removed: what they hold now is of another
-  // moment.
-  static Measurement still_there(const Past& past) {
-    Measurement left = past.measurement;
-    std::erase_if(left.cameras, [&](const auto& camera) {
-      const auto then = past.pictures.find(camera.first);
-      return then == past.pictures.end() || state_of(camera.second.image) != then->second;
-    });
-    return left;
-  }
-
-  const FollowInput& input_;
-  std::vector<Survey> surveys_;
-  std::deque<Past> last_;
-};
-
-// The position of one measurement, by what the ones before it say of the tags and of the motion.
-Fix locate(const Measurement& measurement, const FollowInput& input, RunSoFar& run,
-           std::optional<LiveTrack>& track, LiveDoubts& doubts) {
-  const bool tracked = input.track && measurement.time.has_value();
-  const auto prior = tracked && track
-                         ? prior_at(*track, *measurement.time, input.surveys, MotionModel{})
-                         : std::nullopt;
-  std::map<std::string, FileState> pictures = picture_states(measurement);
-  Fix fix = input.locate(measurement, run.surveys(), prior);
-  if (input.observe) {
-    run.remember(measurement, std::move(pictures), is_contradicted(fix));
-    const std::vector<std::string> told = run.set_aside();
-    if (!told.empty()) fix = input.locate(measurement, run.surveys(), prior);
-    for (const std::string& words : told) {
-      to_stderr("localize: {}\n", words);
-      fix.notes.push_back(words);
-    }
-  }
-  if (tracked) fix = follow_track(track, std::move(fix), *measurement.time, input.surveys);
-  fix = doubts.judged(std::move(fix), input.surveys, input.rig);
+  Fix fix = drive.next(one, input.track ? measurement.time : std::nullopt);
   return input.confirmed ? if_confirmed(std::move(fix)) : fix;
 }
 
@@ -208,9 +95,7 @@ std::string error_line(const Json& object, int number, const std::string& messag
 
 int follow(const FollowInput& input) {
   bool all_located = true;
-  std::optional<LiveTrack> track;
-  RunSoFar run(input);
-  LiveDoubts doubts;
+  LiveDrive drive(input.surveys, input.rig);
   int number = 0;
   while (const std::optional<std::string> line = read_line(std::cin, kLongestLine)) {
     ++number;
@@ -222,7 +107,7 @@ int follow(const FollowInput& input) {
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
-      const Fix fix = locate(*measurement, input, run, track, doubts);
+      const Fix fix = locate(*measurement, input, drive);
       all_located = all_located && fix.position_in_grid && fix.doubt.empty();
       answer = fix_json_line(fix, *measurement, input.explain);
     } else {

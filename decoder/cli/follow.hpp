@@ -18,14 +18,12 @@ namespace tagsmith::detail {
 struct FollowInput {
   const std::vector<Survey>& surveys;
   const Rig& rig;
-  // The position of one measurement by these surveys, where the motion may say what to expect.
-  std::function<Fix(const Measurement&, const std::vector<Survey>&,
-                    const std::optional<PosePrior>&)>
+  // The position of one measurement by these surveys, where the motion may say what to expect, and
+  // what it shows: measurements are compared, and tags that they show to hang elsewhere than
+  // surveyed (LiveSetAside) locate nothing from there on.
+  std::function<Fix(const Measurement&, const std::vector<Survey>&, const std::optional<PosePrior>&,
+                    Observation&)>
       locate;
-  // What one measurement shows. Where there is such a function, a measurement whose tags contradict
-  // each other is compared with those before it: tags that they show to hang elsewhere than
-  // surveyed (set_aside.hpp) locate nothing from there on.
-  std::function<Observation(const Measurement&)> observe;
   // Whether measurements with a time are tracked: the motion so far says where to look for tags and
   // judges fixes. The method must give attitudes.
   bool track = false;

@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/cli/commands.hpp"
 #include "decoder/cli/fix_files.hpp"
 #include "decoder/cli/fix_json.hpp"
@@ -33,6 +32,7 @@
 #include "decoder/localize/travel.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/paper/published.hpp"
+#include "decoder/plates/rig_suspicion.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
@@ -189,21 +189,17 @@ FollowInput live_input(const LocalizeInput& input, const LocalizeOptions& option
   const ReaderChoice reader = reader_for(options);
   const bool joint = options.method == "joint";
   const bool sparing = joint && options.reader == "tagsmith" && !options.unsurveyed;
-  FollowInput live{input.surveys, input.rig, {}, {}, joint, options.confirmed, options.explain};
+  FollowInput live{input.surveys, input.rig, {}, joint, options.confirmed, options.explain};
   const auto memory = std::make_shared<PictureMemory>();
-  live.locate = [&input, reader, joint, sparing, memory](const Measurement& measurement,
-                                                         const std::vector<Survey>& surveys,
-                                                         const std::optional<PosePrior>& prior) {
-    if (sparing) return locate(measurement, surveys, input.rig, prior, memory.get());
-    const Observation seen = observe(measurement, surveys, input.rig, reader, prior);
-    return joint ? localize_jointly(seen, surveys, input.rig)
-                 : localize_by_paper(seen, surveys, input.rig);
+  live.locate = [&input, reader, joint, sparing, memory](
+                    const Measurement& measurement, const std::vector<Survey>& surveys,
+                    const std::optional<PosePrior>& prior, Observation& seen) {
+    if (sparing) return locate(measurement, surveys, input.rig, prior, *memory, seen);
+    // Of these methods the measurements are not compared.
+    const Observation row = observe(measurement, surveys, input.rig, reader, prior);
+    return joint ? localize_jointly(row, surveys, input.rig)
+                 : localize_by_paper(row, surveys, input.rig);
   };
-  if (sparing) {
-    live.observe = [&input, reader](const Measurement& measurement) {
-      return observe(measurement, input.surveys, input.rig, reader);
-    };
-  }
   return live;
 }
 

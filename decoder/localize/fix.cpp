@@ -67,6 +67,14 @@ Pose world_from_vehicle(const Fix& fix, const Grid& grid) {
                              fix.attitude->pitch, fix.attitude->roll});
 }
 
+Fix doubted(Fix fix, std::string why) {
+  if (!fix.position_in_grid) return fix;
+  fix.doubt = std::move(why);
+  fix.confirmations = 0;
+  fix.notes.push_back("do not rely on this position: " + fix.doubt);
+  return fix;
+}
+
 Fix if_confirmed(Fix fix) {
   if (!fix.position_in_grid || fix.confirmations > 0) return fix;
   Fix none;

@@ -138,6 +138,9 @@ const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys);
 // How a vehicle with a position and an attitude stands in the world of the survey with this grid.
 Pose world_from_vehicle(const Fix& fix, const Grid& grid);
 
+// The position with a note that it is not to be relied on and why, and nothing that confirms it.
+Fix doubted(Fix fix, std::string why);
+
 // The fix, or no position with the reason where nothing confirms it.
 Fix if_confirmed(Fix fix);
 

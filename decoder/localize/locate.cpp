@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -40,14 +41,15 @@ std::vector<Look> begin_looks(std::span<const CameraImage> images,
   return looks;
 }
 
-Fix fix_by(Observation observation, const std::vector<Look>& looks,
-           const std::vector<Survey>& surveys, const Rig& rig) {
+// What is known and what these looks show.
+Observation observed(Observation observation, const std::vector<Look>& looks,
+                     const std::vector<Survey>& surveys) {
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
   for (const Look& look : looks) {
     add_result(observation, look.search.result(), look.image->name, *look.image->camera, surveys,
                reader);
   }
-  return localize_jointly(observation, surveys, rig);
+  return observation;
 }
 
 // Whether what was dropped is a range outside its sensor's limits (no echo), which says nothing.
@@ -136,21 +138,25 @@ bool look_closer(std::vector<Look>& looks, const Fix& fix, bool settled,
 
 }  // namespace
 
-Fix locate_with(Observation known, std::span<const CameraImage> images,
+Fix locate_with(Observation& known, std::span<const CameraImage> images,
                 const std::vector<Survey>& surveys, const Rig& rig,
                 const std::optional<PosePrior>& prior) {
   std::vector<Look> looks = begin_looks(images, surveys, prior, known);
-  Fix fix = fix_by(known, looks, surveys, rig);
-  while (look_closer(looks, fix, is_settled(fix, looks, known.ranges, rig), surveys)) {
-    fix = fix_by(known, looks, surveys, rig);
-  }
+  Observation seen;
+  Fix fix;
+  do {
+    seen = observed(known, looks, surveys);
+    fix = localize_jointly(seen, surveys, rig);
+  } while (look_closer(looks, fix, is_settled(fix, looks, known.ranges, rig), surveys));
+  known = std::move(seen);
   return fix;
 }
 
 Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraImage> images,
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior) {
-  return locate_with(Observation{{}, {}, ranges, {}}, images, surveys, rig, prior);
+  Observation observation{{}, {}, ranges, {}};
+  return locate_with(observation, images, surveys, rig, prior);
 }
 
 }  // namespace tagsmith::detail

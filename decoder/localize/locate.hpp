@@ -36,16 +36,17 @@ Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraIm
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior = std::nullopt);
 
-// The same beside what is known already: tags seen otherwise, ranges, faults.
-Fix locate_with(Observation known, std::span<const CameraImage> images,
+// The same beside what is known already: tags seen otherwise, ranges, faults. What the images were
+// found to show is added to it.
+Fix locate_with(Observation& known, std::span<const CameraImage> images,
                 const std::vector<Survey>& surveys, const Rig& rig,
                 const std::optional<PosePrior>& prior = std::nullopt);
 
 class PictureMemory;
 
-// The same for a measurement, whose images are loaded first. With a memory, pictures that it knows
-// from earlier measurements are left out.
+// The same for a measurement, whose images are loaded first. Pictures that the memory knows from
+// earlier measurements are left out. `seen` becomes what the measurement shows.
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior = std::nullopt, PictureMemory* memory = nullptr);
+           const std::optional<PosePrior>& prior, PictureMemory& memory, Observation& seen);
 
 }  // namespace tagsmith::detail

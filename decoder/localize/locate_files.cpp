@@ -9,21 +9,21 @@
 namespace tagsmith::detail {
 
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior, PictureMemory* memory) {
-  Observation observation{measurement.id, {}, measurement.ranges, {}};
-  observation.time = measurement.time;
+           const std::optional<PosePrior>& prior, PictureMemory& memory, Observation& seen) {
+  seen = {measurement.id, {}, measurement.ranges, {}};
+  seen.time = measurement.time;
   std::deque<GrayImage> loaded;
   std::vector<CameraImage> images;
   for (const RigCamera& camera : rig.cameras) {
-    const auto seen = measurement.cameras.find(camera.name);
-    if (seen == measurement.cameras.end() || seen->second.image.empty()) continue;
-    std::optional<GrayImage> image = load_observed(seen->second.image, observation);
+    const auto picture = measurement.cameras.find(camera.name);
+    if (picture == measurement.cameras.end() || picture->second.image.empty()) continue;
+    std::optional<GrayImage> image = load_observed(picture->second.image, seen);
     if (!image) continue;
     loaded.push_back(std::move(*image));
-    images.push_back({&camera, loaded.back().view(), seen->second.image.string()});
+    images.push_back({&camera, loaded.back().view(), picture->second.image.string()});
   }
-  if (memory != nullptr) images = memory->new_ones(images, observation);
-  return locate_with(std::move(observation), images, surveys, rig, prior);
+  images = memory.new_ones(images, seen);
+  return locate_with(seen, images, surveys, rig, prior);
 }
 
 }  // namespace tagsmith::detail

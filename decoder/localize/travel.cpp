@@ -135,15 +135,13 @@ Fix LiveDoubts::judged(Fix fix, const std::vector<Survey>& surveys, const Rig& r
   if (last_.size() == kMost) last_.erase(last_.begin());
   last_.push_back(std::move(kept));
   if (const auto height = wrong_height(last_, surveys, rig)) {
-    fix.doubt = to_string(*height);
-  } else if (const auto turned = turned_headings(last_)) {
-    fix.doubt = to_string(*turned);
-  } else if (const auto range = wrong_range(last_, rig); range && range->tags_may_be_wrong) {
-    fix.doubt = to_string(*range);
+    return doubted(std::move(fix), to_string(*height));
   }
-  if (!fix.doubt.empty()) {
-    fix.confirmations = 0;
-    fix.notes.push_back("do not rely on this position: " + fix.doubt);
+  if (const auto turned = turned_headings(last_)) {
+    return doubted(std::move(fix), to_string(*turned));
+  }
+  if (const auto range = wrong_range(last_, rig); range && range->tags_may_be_wrong) {
+    return doubted(std::move(fix), to_string(*range));
   }
   return fix;
 }

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "decoder/calibrate/drive_fit.hpp"
-#include "decoder/localize/plate_adjustment.hpp"
-#include "decoder/localize/plate_search.hpp"
+#include "decoder/plates/drive_fit.hpp"
+#include "decoder/plates/plate_adjustment.hpp"
+#include "decoder/plates/plate_search.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"

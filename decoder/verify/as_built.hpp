@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "decoder/verify/hung_tags.hpp"
+#include "decoder/plates/hung_tags.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"

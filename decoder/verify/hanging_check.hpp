@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "decoder/verify/hung_tags.hpp"
+#include "decoder/plates/hung_tags.hpp"
 #include "decoder/verify/photo_cameras.hpp"
 #include "decoder/verify/verified_file.hpp"
 #include "tagsmith/base/result.hpp"
@@ -20,49 +20,6 @@
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
-
-// ---- Of the photos of an archive, those that tell where its tags hang.
-
-// Stations kept of any two tags that are seen together. More tell little more: what is left is
-// what the survey and the rig do not know.
-inline constexpr std::size_t kMostStationsOfAPair = 16;
-
-// Takes all sightings twice, in any order and any portions: first to count, then to keep those of
-// the stations that were chosen. Which these are does not depend on the order. Of a sighting 16
-// bytes are kept in between; what is kept in the end grows with the pairs of neighbouring tags, not
-// with the photos.
-class SightingPick {
- public:
-  explicit SightingPick(std::size_t most = kMostStationsOfAPair) : most_(most) {}
-
-  // The first time.
-  void count(std::span<const SightedTag> sighted);
-
-  // Stations of many tags first; a station is chosen when two of its tags were not yet seen
-  // together at `most` others.
-  void choose();
-
-  // The second time.
-  void take(std::span<const SightedTag> sighted);
-
-  // By station, camera and tag, whatever order they came in.
-  std::vector<SightedTag> taken() const;
-
- private:
-  struct Seen {
-    std::uint64_t station = 0;  // hash of its name
-    std::uint32_t tag = 0;
-    auto operator<=>(const Seen&) const = default;
-  };
-
-  std::size_t most_;
-  std::map<std::string, std::uint32_t> tags_;
-  std::vector<Seen> seen_;
-  std::set<std::uint64_t> chosen_;
-  std::vector<SightedTag> taken_;
-};
-
-// ---- The check.
 
 // Which photos can tell where tags hang, and how far from its place one may hang.
 struct HangingSetup {

@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
@@ -34,11 +33,6 @@ fs::path absolute_name(const fs::path& path) {
 }
 
 }  // namespace
-
-bool stands_level(const Rig& rig) {
-  const double unsteady = radians(15);
-  return rig.roll_sigma <= unsteady && rig.pitch_sigma <= unsteady;
-}
 
 PhotoCameras PhotoCameras::by_run(const Rig& rig, const Run& run) {
   PhotoCameras result;

@@ -20,10 +20,6 @@ struct PhotoOrigin {
   std::optional<double> time{};  // of the run, seconds
 };
 
-// True when a rig's stance tells its pictures' up: it stands level on its wheels, its roll's and
-// pitch's standard deviations are below 15 degrees.
-bool stands_level(const Rig& rig);
-
 class PhotoCameras {
  public:
   // By a run: a row's photos were taken together. Other photos, and those that several rows name,

@@ -14,8 +14,8 @@
 #include "decoder/grade/grade.hpp"
 #include "decoder/image/exif.hpp"
 #include "decoder/image/gray.hpp"
+#include "decoder/plates/hung_tags.hpp"
 #include "decoder/reader/reading.hpp"
-#include "decoder/verify/hung_tags.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith::detail {

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "decoder/verify/hung_tags.hpp"
+#include "decoder/plates/hung_tags.hpp"
 #include "decoder/verify/verified_file.hpp"
 #include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/base/result.hpp"

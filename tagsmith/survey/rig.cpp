@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tagsmith/geometry/angle.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -19,6 +21,11 @@ Eigen::Matrix3d body_from_camera() {
 }
 
 }  // namespace
+
+bool stands_level(const Rig& rig) {
+  constexpr double kUnsteady = radians(15);
+  return rig.roll_sigma <= kUnsteady && rig.pitch_sigma <= kUnsteady;
+}
 
 const RigCamera* find_camera(const Rig& rig, std::string_view name) {
   const auto found = std::ranges::find(rig.cameras, name, &RigCamera::name);

@@ -82,6 +82,10 @@ struct Rig {
   std::optional<VehicleEnvelope> envelope;
 };
 
+// True when a rig's stance tells its pictures' up: it stands level on its wheels, its roll's and
+// pitch's standard deviations are below 15 degrees.
+bool stands_level(const Rig& rig);
+
 const RigCamera* find_camera(const Rig& rig, std::string_view name);
 
 // A camera looking sideways from O: alpha (radians) between its level optical axis and the cross

@@ -21,8 +21,8 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/plates/hung_tags.hpp"
 #include "decoder/simulate/survey_view.hpp"
-#include "decoder/verify/hung_tags.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tests/bench/bench_site.hpp"

@@ -14,7 +14,7 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
-#include "decoder/calibrate/rig_suspicion.hpp"
+#include "decoder/plates/rig_suspicion.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/calibrate/seen_drive.hpp"

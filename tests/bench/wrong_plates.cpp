@@ -26,7 +26,7 @@
 #include <fmt/core.h>
 
 #include "decoder/localize/observation.hpp"
-#include "decoder/verify/hung_tags.hpp"
+#include "decoder/plates/hung_tags.hpp"
 #include "decoder/verify/lens_cameras.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"

@@ -14,7 +14,7 @@ using namespace tagsmith::detail;
 namespace {
 
 Fix no_position(const Measurement& measurement, const std::vector<Survey>&,
-                const std::optional<PosePrior>&) {
+                const std::optional<PosePrior>&, Observation&) {
   Fix fix;
   fix.id = measurement.id;
   fix.method = "joint";
@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::istringstream lines(std::string(fuzz::as_text(data, size)));
   std::streambuf* const before = std::cin.rdbuf(lines.rdbuf());
   std::cin.clear();
-  follow({surveys, rig, no_position, {}, true, false, true});
+  follow({surveys, rig, no_position, true, false, true});
   std::cin.rdbuf(before);
   return 0;
 }

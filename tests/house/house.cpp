@@ -12,13 +12,14 @@
 namespace tagsmith::detail::house {
 namespace {
 
-constexpr std::array<std::string_view, 24> kLayers{
-    "tagsmith/base",     "tagsmith/geometry",  "tagsmith/symbology",  "tagsmith/tag",
-    "tagsmith/survey",   "tagsmith/placement", "tagsmith/paper_plan", "tagsmith/render",
-    "tagsmith/cli",      "decoder/image",      "decoder/simulate",    "decoder/feature_frame",
-    "decoder/scan",      "decoder/reader",     "decoder/paper",       "decoder/localize",
-    "decoder/calibrate", "decoder/grade",      "decoder/verify",      "decoder/ledger",
-    "decoder/api",       "decoder/python",     "decoder/cli",         "main.cpp",
+constexpr std::array<std::string_view, 25> kLayers{
+    "tagsmith/base",   "tagsmith/geometry",  "tagsmith/symbology",  "tagsmith/tag",
+    "tagsmith/survey", "tagsmith/placement", "tagsmith/paper_plan", "tagsmith/render",
+    "tagsmith/cli",    "decoder/image",      "decoder/simulate",    "decoder/feature_frame",
+    "decoder/scan",    "decoder/reader",     "decoder/paper",       "decoder/localize",
+    "decoder/plates",  "decoder/calibrate",  "decoder/grade",       "decoder/verify",
+    "decoder/ledger",  "decoder/api",        "decoder/python",      "decoder/cli",
+    "main.cpp",
 };
 
 constexpr std::array<std::string_view, 6> kTopFolders{"decoder",  "docs",      "surveys",

@@ -15,7 +15,7 @@ namespace {
 
 std::string sources_that_report() {
   std::string sources;
-  for (const char* folder : {"decoder/verify", "decoder/cli"}) {
+  for (const char* folder : {"decoder/plates", "decoder/verify", "decoder/cli"}) {
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       if (entry.path().extension() == ".cpp") sources += *read_file(entry.path());
     }

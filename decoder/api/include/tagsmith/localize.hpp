@@ -107,13 +107,14 @@ class TAGSMITH_EXPORT Localizer {
 
   // The position while the vehicle drives, the same as `tagsmith localize --follow` gives: tags are
   // looked for where the motion so far lets expect them, which is faster, and a position that
-  // contradicts the motion is doubted, and so are all where the last ones show together that they
-  // are not to be relied on: they have a note that says why and no confirmations. Measurements come
-  // in the order of their times; without a time one is located by itself. Unlike the command it
-  // sets no tag aside for the whole drive that others contradicted once. One thread at a time.
+  // contradicts the motion is doubted. Tags that the last measurements show to hang elsewhere than
+  // surveyed are set aside from there on, with a note. While the last measurements show that rig or
+  // positions are not to be relied on, a position has a note that says why and no confirmations.
+  // Measurements come in the order of their times; without a time the motion does not judge one.
+  // One thread at a time.
   Fix track(const Measurement& measurement);
 
-  // Forgets the motion: the vehicle was moved.
+  // Forgets the drive so far: the vehicle was moved.
   void reset();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/calibrate/rig_suspicion.hpp"
+#include "decoder/plates/rig_suspicion.hpp"
 
 #include <cmath>
 #include <vector>

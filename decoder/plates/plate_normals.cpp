@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/plate_normals.hpp"
+#include "decoder/plates/plate_normals.hpp"
 
 #include <algorithm>
 

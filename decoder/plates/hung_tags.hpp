@@ -12,7 +12,8 @@
 #include <Eigen/Core>
 
 #include "decoder/localize/observation.hpp"
-#include "decoder/localize/plate_consensus.hpp"
+#include "decoder/plates/plate_consensus.hpp"
+#include "decoder/plates/sightings.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
@@ -20,15 +21,6 @@ namespace tagsmith::detail {
 
 // "unchecked", "fits", "off" or "doubtful".
 std::string to_string(HangVerdict verdict);
-
-// A tag in a picture: its name in the survey, or of a code that the survey does not have its
-// digits. Pictures with one station name were taken together.
-struct SightedTag {
-  std::string station;
-  std::size_t camera = 0;  // of the rig
-  std::string tag;
-  SeenCorners seen;
-};
 
 // Three numbers and their standard deviations.
 struct Measured3 {
@@ -80,7 +72,7 @@ struct HungTags {
   std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
   std::string rig_doubt{};           // which value of the rig is why (rig_suspicion.hpp), or empty
-  std::string revision{};            // of the survey
+  std::string revision{};            // of the survey, where files were judged (hanging_check.hpp)
 };
 
 // Least standard deviations that plates are taken to be surveyed with: a survey that states none

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "decoder/localize/adjustment_problem.hpp"
+#include "decoder/plates/adjustment_problem.hpp"
 
 namespace tagsmith::detail {
 

@@ -2,7 +2,7 @@
 // How far plates are turned from their surveyed attitudes, from pictures that show several.
 #pragma once
 
-#include "decoder/localize/plate_adjustment.hpp"
+#include "decoder/plates/plate_adjustment.hpp"
 
 namespace tagsmith::detail {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/calibrate/rig_suspicion.hpp"
+#include "decoder/plates/rig_suspicion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "decoder/calibrate/drive_fit.hpp"
-#include "decoder/localize/attitude_scatter.hpp"
+#include "decoder/plates/attitude_scatter.hpp"
+#include "decoder/plates/drive_fit.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "decoder/localize/observation.hpp"
-#include "decoder/localize/plate_adjustment.hpp"
+#include "decoder/plates/plate_adjustment.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/attitude_scatter.hpp"
+#include "decoder/plates/attitude_scatter.hpp"
 
 #include <algorithm>
 #include <array>

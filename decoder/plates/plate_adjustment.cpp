@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/plate_adjustment.hpp"
+#include "decoder/plates/plate_adjustment.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
-#include "decoder/localize/plate_normals.hpp"
-#include "decoder/localize/plate_start.hpp"
+#include "decoder/plates/plate_normals.hpp"
+#include "decoder/plates/plate_start.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {

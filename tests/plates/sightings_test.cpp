@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "decoder/plates/sightings.hpp"
+
 #include <algorithm>
 #include <random>
 #include <set>
 #include <string>
 
 #include <doctest/doctest.h>
-
-#include "decoder/verify/hanging_check.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/verify/set_aside.hpp"
+#include "decoder/plates/set_aside.hpp"
 
 #include <algorithm>
+#include <utility>
 
-#include "decoder/verify/hanging_check.hpp"
-#include "decoder/verify/hung_tags.hpp"
+#include "decoder/localize/repeated_pictures.hpp"
+#include "decoder/plates/hung_tags.hpp"
+#include "decoder/plates/sightings.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -48,6 +50,13 @@ void take_out(std::vector<Observation>& rows, std::span<const std::size_t> of, S
   }
 }
 
+// Whether tags contradict each other, or the motion.
+bool is_contradicted(const Fix& fix) {
+  const auto is_tag = [](const Dropped& dropped) { return !dropped.camera.empty(); };
+  const bool refused = !fix.position_in_grid && fix.tags.size() > 1;
+  return refused || std::ranges::any_of(fix.dropped, is_tag);
+}
+
 }  // namespace
 
 RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
@@ -57,6 +66,7 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
   RunCheck result;
   for (std::size_t survey = 0; survey < surveys.size(); ++survey) {
     const HungTags hung = check_rows(rows, surveys, survey, rig);
+    if (!hung.rig_doubt.empty()) result.rig_doubt = hung.rig_doubt;
     if (hung.nothing_fits) continue;
     const auto add = [&](const HungTag& tag, std::span<const std::size_t> of) {
       if (tag.verdict != HangVerdict::off) return;
@@ -77,6 +87,28 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
     for (const HungTag& tag : hung.tags) add(tag, all);
   }
   return result;
+}
+
+RunCheck LiveSetAside::learn(Observation seen, const Fix& fix, const Rig& rig) {
+  constexpr std::size_t kMost = 40;
+  seen.parts.clear();  // which point into the surveys as they were
+  last_.push_back({std::move(seen), is_contradicted(fix)});
+  if (last_.size() > kMost) last_.pop_front();
+  if (std::ranges::none_of(last_, &Past::contradicted)) return {};
+  std::vector<Observation> rows;
+  for (const Past& past : last_) {
+    rows.push_back(past.seen);
+    // Two measurements are of two moments, whether or not they say when.
+    if (!rows.back().time) rows.back().time = -static_cast<double>(rows.size());
+  }
+  leave_out_repeated(rows);
+  RunCheck check = set_aside_misplaced(rows, surveys_, rig);
+  std::erase_if(check.aside, [&](const SetAside& aside) {
+    return std::erase_if(left_[aside.survey].tags,
+                         [&](const PlacedTag& placed) { return placed.name == aside.tag; }) == 0;
+  });
+  for (Past& past : last_) past.contradicted = past.contradicted && check.aside.empty();
+  return check;
 }
 
 }  // namespace tagsmith::detail

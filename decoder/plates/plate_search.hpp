@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "decoder/localize/plate_adjustment.hpp"
+#include "decoder/plates/plate_adjustment.hpp"
 
 namespace tagsmith::detail {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/plate_consensus.hpp"
+#include "decoder/plates/plate_consensus.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/calibrate/drive_fit.hpp"
+#include "decoder/plates/drive_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "decoder/localize/plate_search.hpp"
+#include "decoder/plates/plate_search.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"

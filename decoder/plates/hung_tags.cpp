@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/verify/hung_tags.hpp"
+#include "decoder/plates/hung_tags.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,15 +13,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "decoder/calibrate/drive_fit.hpp"
-#include "decoder/calibrate/rig_suspicion.hpp"
-#include "decoder/localize/attitude_scatter.hpp"
-#include "decoder/localize/plate_start.hpp"
-#include "decoder/verify/photo_cameras.hpp"
+#include "decoder/plates/attitude_scatter.hpp"
+#include "decoder/plates/drive_fit.hpp"
+#include "decoder/plates/plate_start.hpp"
+#include "decoder/plates/rig_suspicion.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/as_built_place.hpp"
 #include "tagsmith/survey/assumptions.hpp"
-#include "tagsmith/survey/edit_placed.hpp"
-#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -497,7 +495,6 @@ std::string in_words(const MixedStations& mixed, const Rig& rig) {
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance) {
   HungTags result;
-  result.revision = survey_revision(survey);
   if (auto doubt = rig_doubt(survey, rig, sighted)) {
     result.nothing_fits = true;
     result.rig_doubt = std::move(*doubt);

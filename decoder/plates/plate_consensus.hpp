@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "decoder/localize/plate_adjustment.hpp"
-#include "decoder/localize/plate_search.hpp"
+#include "decoder/plates/plate_adjustment.hpp"
+#include "decoder/plates/plate_search.hpp"
 
 namespace tagsmith::detail {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/plate_search.hpp"
+#include "decoder/plates/plate_search.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "decoder/localize/joint_model.hpp"
-#include "decoder/localize/plate_start.hpp"
+#include "decoder/plates/plate_start.hpp"
 #include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/plate_start.hpp"
+#include "decoder/plates/plate_start.hpp"
 
 #include <algorithm>
 #include <limits>

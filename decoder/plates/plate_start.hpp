@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "decoder/localize/adjustment_problem.hpp"
+#include "decoder/plates/adjustment_problem.hpp"
 
 namespace tagsmith::detail {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/plate_consensus.hpp"
+#include "decoder/plates/plate_consensus.hpp"
 
 #include <random>
 #include <utility>
@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
-#include "decoder/localize/attitude_scatter.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/plates/attitude_scatter.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/wide_corridor.hpp"
 

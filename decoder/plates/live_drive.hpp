@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Positions while a vehicle drives: each by its own measurement and by what those before it say of
+// the motion, of the plates and of the rig.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/localize/fix.hpp"
+#include "decoder/localize/live_track.hpp"
+#include "decoder/localize/observation.hpp"
+#include "decoder/localize/travel.hpp"
+#include "decoder/plates/set_aside.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+// The position by one measurement and these surveys, where the motion may say what to expect; what
+// was seen of the surveys' tags goes into the observation. Tags of an observation left empty are
+// not compared with those of other measurements.
+using LocateOne =
+    std::function<Fix(const std::vector<Survey>&, const std::optional<PosePrior>&, Observation&)>;
+
+class LiveDrive {
+ public:
+  // The rig must outlive the drive.
+  LiveDrive(std::vector<Survey> surveys, const Rig& rig);
+
+  // The position of the next measurement; without a time it is not judged by the motion. A note
+  // says which tags are set aside from here on (LiveSetAside). While the last measurements show
+  // that the rig or the positions are not to be relied on, a note says why and nothing confirms it.
+  Fix next(const LocateOne& locate, std::optional<double> time);
+
+ private:
+  std::vector<Survey> surveys_;
+  const Rig* rig_;
+  std::optional<LiveTrack> track_;
+  LiveSetAside aside_;
+  LiveDoubts doubts_;
+};
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tags of a run that its rows together show to hang elsewhere than surveyed, or to be of another
+// size: they locate nothing.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "decoder/localize/fix.hpp"
+#include "decoder/localize/observation.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+struct SetAside {
+  std::size_t survey = 0;  // index of the survey that has the tag
+  std::string tag;
+  std::string rule;               // docs/verify-rules.md
+  std::string message;            // what is wrong, and what to do
+  std::vector<std::size_t> rows;  // in which it is set aside, by index
+};
+
+struct RunCheck {
+  std::vector<SetAside> aside;
+  std::vector<std::string> mixed;  // rows that have each other's photos, in words
+  std::string rig_doubt{};  // which value of the rig is in doubt (rig_suspicion.hpp), or empty
+};
+
+// What check_hung_tags is certain of, survey by survey; what it calls doubtful stays. Takes these
+// tags out of the rows, with a fault in each that says so. Nothing where the rig itself is in
+// doubt.
+RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
+                             const Rig& rig);
+
+// The same while the vehicle drives, by the last measurements.
+class LiveSetAside {
+ public:
+  explicit LiveSetAside(std::vector<Survey> surveys)
+      : surveys_(std::move(surveys)), left_(surveys_) {}
+
+  // The surveys without the tags that are set aside.
+  const std::vector<Survey>& surveys() const { return left_; }
+
+  // Takes what a measurement showed of tags of surveys() and the position that was made of it.
+  // While tags of the last measurements contradict each other, or the motion, these are compared;
+  // returns the tags that are set aside from here on, and the doubt in the rig.
+  RunCheck learn(Observation seen, const Fix& fix, const Rig& rig);
+
+ private:
+  struct Past {
+    Observation seen;
+    bool contradicted = false;  // and nothing was set aside since
+  };
+
+  std::vector<Survey> surveys_;
+  std::vector<Survey> left_;
+  std::deque<Past> last_;
+};
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/as_built_place.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// What rounds to zero is written without its sign.
+std::string rounded(double value, int decimals) {
+  const double unit = std::pow(10.0, decimals);
+  return fmt::format("{:.{}f}", std::round(value * unit) / unit + 0.0, decimals);
+}
+
+}  // namespace
+
+std::string point_text(const Eigen::Vector3d& p) {
+  return fmt::format("[{}, {}, {}]", rounded(p.x(), 4), rounded(p.y(), 4), rounded(p.z(), 4));
+}
+
+PlacedKeys measured_keys(const AsBuiltPlace& place) {
+  constexpr double kLeastSigma = 1e-4;  // metres: what is written of a coordinate
+  PlacedKeys values{{"p", point_text(place.p_in_grid)},
+                    {"sigma", rounded(std::max(place.sigma, kLeastSigma), 4)}};
+  if (!place.date.empty()) values.emplace_back("date", place.date);
+  const PlacedKeys attitude{
+      {"facing", rounded(std::fmod(degrees(place.attitude.facing.value_or(0)) + 360, 360), 3)},
+      {"tilt", rounded(degrees(place.attitude.tilt), 3)},
+      {"roll", rounded(degrees(place.attitude.roll), 3)}};
+  values.insert(values.end(), attitude.begin(), attitude.end());
+  return values;
+}
+
+std::string digits_text(const PlacedTag& tag) { return '"' + to_string(tag.digits) + '"'; }
+
+std::string placed_entry(const Survey& survey, const AsBuiltPlace& place) {
+  const PlacedTag& tag = *find_tag(survey, std::string_view(place.tag));
+  PlacedKeys values{{"tag", tag.name}, {"side", to_string(tag.side)}};
+  std::ranges::move(measured_keys(place), std::back_inserter(values));
+  values.emplace_back("digits", digits_text(tag));
+  std::vector<std::string> words;
+  for (const auto& [key, value] : values) words.push_back(fmt::format("{}: {}", key, value));
+  return fmt::format("{{ {} }}", fmt::join(words, ", "));
+}
+
+}  // namespace tagsmith::detail

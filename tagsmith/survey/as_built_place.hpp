@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a tag hangs as measured, and how a survey file's section `placed` says it.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+// Where a tag hangs as measured.
+struct AsBuiltPlace {
+  std::string tag;  // of the survey
+  Eigen::Vector3d p_in_grid = Eigen::Vector3d::Zero();
+  PlateAttitude attitude;
+  double sigma = 0;  // of a coordinate of P, metres
+  std::string date;  // of the measurement, as 2026-03-31; empty = it is left out
+};
+
+// Keys of an entry of `placed` and their values, as YAML.
+using PlacedKeys = std::vector<std::pair<std::string, std::string>>;
+
+// A point, to a tenth of a millimetre.
+std::string point_text(const Eigen::Vector3d& p);
+
+// What of the entry was measured.
+PlacedKeys measured_keys(const AsBuiltPlace& place);
+
+// `digits` of the entry.
+std::string digits_text(const PlacedTag& tag);
+
+// The entry of `placed` for a tag of the survey that hangs there, in one line of YAML.
+std::string placed_entry(const Survey& survey, const AsBuiltPlace& place);
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/plates/set_aside.hpp"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "decoder/localize/joint_method.hpp"
+#include "tests/calibrate/seen_drive.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// The corridor, whose cameras see more than a pair here.
+test::Site wide_site() {
+  test::Site site = test::site_named("corridor");
+  for (RigCamera& camera : site.rig.cameras) camera.camera.fx = camera.camera.fy = 800;
+  return site;
+}
+
+// What each measurement shows of the plates where they hang, as tags of the survey.
+std::vector<Observation> drive_past_hung(const test::Site& surveyed, const test::Site& hung) {
+  test::Draws draws(11);
+  const auto vehicles = test::drive_past(hung, 24, draws);
+  std::vector<Observation> rows = test::seen_from(hung, vehicles, draws);
+  for (Observation& row : rows) {
+    for (SeenTag& seen : row.tags) seen.tag = *find_tag(surveyed.survey, seen.tag.name);
+  }
+  return rows;
+}
+
+struct Lived {
+  std::vector<std::string> aside;
+  std::vector<Fix> fixes;  // by the tags that were left
+};
+
+// Measurement by measurement; each is located again where a tag was set aside by it.
+Lived live(const std::vector<Observation>& rows, const test::Site& site) {
+  LiveSetAside memory({site.survey});
+  Lived lived;
+  for (const Observation& row : rows) {
+    const auto located = [&](Observation& seen) {
+      seen = row;
+      std::erase_if(seen.tags, [&](const SeenTag& tag) {
+        return find_tag(memory.surveys().front(), std::string_view(tag.tag.name)) == nullptr;
+      });
+      return localize_jointly(seen, memory.surveys(), site.rig);
+    };
+    Observation seen;
+    Fix fix = located(seen);
+    const auto found = memory.learn(seen, fix, site.rig);
+    if (!found.empty()) fix = located(seen);
+    for (const SetAside& aside : found) lived.aside.push_back(aside.tag + " " + aside.rule);
+    lived.fixes.push_back(fix);
+  }
+  return lived;
+}
+
+TEST_CASE("a drive sets a plate aside once it is certain of it, and by it no position is wrong") {
+  const test::Site site = wide_site();
+  test::Site hung = site;
+  PlacedTag& moved = hung.survey.tags[hung.survey.tags.size() / 2];
+  moved.world_from_plate.translation.y() += 0.15;
+  const Lived lived = live(drive_past_hung(site, hung), site);
+  CHECK(lived.aside == std::vector<std::string>{moved.name + " moved"});
+  // From the last position that it contradicted on, nothing is dropped any more.
+  CHECK(lived.fixes.back().dropped.empty());
+  CHECK(std::ranges::none_of(lived.fixes.back().tags,
+                             [&](const auto& name) { return name == moved.name; }));
+}
+
+TEST_CASE("a drive past plates that hang as surveyed sets none aside") {
+  const test::Site site = wide_site();
+  const Lived lived = live(drive_past_hung(site, site), site);
+  CHECK(lived.aside.empty());
+  CHECK(std::ranges::all_of(lived.fixes, [](const Fix& fix) { return !!fix.position_in_grid; }));
+}
+
+TEST_CASE("two plates alone in sight that hang alike locate nothing once other rows tell of them") {
+  // Both of a pair 12 cm on, as from a wrong mark: by themselves they confirm each other.
+  const test::Site site = wide_site();
+  test::Site hung = site;
+  const std::size_t middle = hung.survey.tags.size() / 2 / 2 * 2;
+  for (const std::size_t i : {middle, middle + 1}) {
+    hung.survey.tags[i].world_from_plate.translation.y() += 0.12;
+  }
+  std::vector<Observation> rows = drive_past_hung(site, hung);
+  Observation alone = rows[rows.size() / 2];
+  std::erase_if(alone.tags, [&](const SeenTag& seen) {
+    return seen.tag.name != site.survey.tags[middle].name &&
+           seen.tag.name != site.survey.tags[middle + 1].name;
+  });
+  REQUIRE(alone.tags.size() == 2);
+  CHECK(localize_jointly(alone, {site.survey}, site.rig).position_in_grid);
+  rows.push_back(alone);
+  const Lived lived = live(rows, site);
+  CHECK(lived.aside.size() == 2);
+  CHECK_FALSE(lived.fixes.back().position_in_grid);
+}
+
+}  // namespace
+}  // namespace tagsmith::detail
