@@ -134,6 +134,14 @@ Json tag_json(const Survey& survey, const AsBuiltTag& tag) {
   return line;
 }
 
+// What is infinite is null.
+Json group_json(const ControlGroup& group) {
+  const bool is_checked = std::isfinite(group.unnoticed);
+  return {{"tags", group.tags},
+          {"shift", is_checked ? Json(group.shift) : Json()},
+          {"unnoticed", is_checked ? Json(group.unnoticed) : Json()}};
+}
+
 void print_json(const Survey& survey, const AsBuiltSurvey& found) {
   for (const AsBuiltTag& tag : found.tags) to_stdout("{}\n", json_text(tag_json(survey, tag)));
   const auto left_out = [](const LeftOutSighting& out) -> Json {
@@ -149,7 +157,8 @@ void print_json(const Survey& survey, const AsBuiltSurvey& found) {
                {"left_out", json_list(found.left_out, left_out)},
                {"chi_square", found.chi_square},
                {"degrees_of_freedom", found.degrees_of_freedom},
-               {"sigma_factor", found.sigma_factor}};
+               {"sigma_factor", found.sigma_factor},
+               {"control_groups", json_list(found.groups, group_json)}};
   to_stdout("{}\n", json_text({{"summary", std::move(summary)}}));
 }
 
@@ -240,14 +249,30 @@ std::optional<std::string> doubt_of_single_control(const AdjustInput& input,
                                                    const AsBuiltSurvey& found) {
   const auto control = std::ranges::find(found.tags, AsBuiltStatus::control, &AsBuiltTag::status);
   const auto moved = contradicted_by_others(input.survey, input.setup.rig, sighted, control->tag);
-  if (!moved) {
-    to_stderr("{}: one control tag: nothing tells whether it hangs as surveyed\n", kAdjust);
-    return std::nullopt;
-  }
+  if (!moved) return std::nullopt;
   return fmt::format(
       "{} is the only control tag, and by the others it hangs {:.0f} mm from where the survey has "
       "it: survey it again, or name another with --control",
       control->tag, 1e3 * moved->shift.norm());
+}
+
+// Says of which control tags a mistake, if several one that they share, would go unnoticed.
+void warn_of_unchecked(const std::vector<ControlGroup>& groups) {
+  constexpr double kLarge = 0.02;  // metres: ten times what control tags are usually surveyed to
+  for (const ControlGroup& group : groups) {
+    if (group.unnoticed < kLarge) continue;
+    const bool one = group.tags.size() == 1;
+    const std::string names = fmt::format("{}", fmt::join(group.tags, ", "));
+    if (std::isinf(group.unnoticed)) {
+      to_stderr("{}: nothing{} tells whether {} {} as surveyed\n", kAdjust,
+                one ? "" : " but each other", names, one ? "hangs" : "hang");
+    } else {
+      to_stderr(
+          "{}: {} may hang up to {:.0f} mm from where the survey has {} without any other "
+          "control tag telling\n",
+          kAdjust, names, 1e3 * group.unnoticed, one ? "it" : "them all");
+    }
+  }
 }
 
 Result<int> run(const AdjustOptions& options) {
@@ -260,9 +285,10 @@ Result<int> run(const AdjustOptions& options) {
     to_stderr("{}: the rig is in doubt, and nothing was adjusted: {}\n", kAdjust, *doubt);
     return kExitFindings;
   }
-  const Result<AsBuiltSurvey> found =
+  Result<AsBuiltSurvey> found =
       adjust_as_built(input->survey, input->setup.rig, *sighted, input->control);
   if (!found) return fail(options.survey + ": " + found.error().message);
+  judge_control(input->survey, *found);
   options.json ? print_json(input->survey, *found) : print_words(input->survey, *found);
   if (const auto drawn = write_drawing(options, input->survey, *found); !drawn) {
     return fail(drawn.error().message);
@@ -271,6 +297,7 @@ Result<int> run(const AdjustOptions& options) {
   if (!reason && count_of(*found, AsBuiltStatus::control) == 1) {
     reason = doubt_of_single_control(*input, *sighted, *found);
   }
+  if (!reason) warn_of_unchecked(found->groups);
   if (reason) {
     const std::string& file = options.output.empty() ? options.diff : options.output;
     const std::string what =

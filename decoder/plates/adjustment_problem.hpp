@@ -39,6 +39,8 @@ struct AdjustmentProblem {
   double frame_sigma = 0;  // relative, of the size that all frames have in common; 0 = exact
   // Which parameters of the cameras are uncertain; nothing = as the rig's sigmas have it.
   std::optional<CalibrationLayout> calibration{};
+  // Plates, by index, whose common shift by everything but their own surveyed places is asked for.
+  std::vector<std::vector<std::size_t>> groups{};
   // Places of the survey whose plates no picture shows: there a second copy of another may hang.
   std::vector<SightedPlate> unseen{};
 };

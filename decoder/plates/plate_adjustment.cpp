@@ -375,31 +375,70 @@ class Network {
 
 // --- what comes of it ---
 
-// What everything but the plate's own prior says, from the posterior mean `moved` and covariance:
-// dividing the prior (variance S, mean 0) out of the posterior. In units of the prior, with P the
-// posterior covariance and Q = I - P: mean Q^-1 d, covariance Q^-1 P.
+struct WithoutPrior {
+  VectorXd mean;
+  MatrixXd covariance;
+};
+
+// What everything but their own prior says of parameters, from the posterior mean `moved` and
+// covariance: dividing the prior (variance S, mean 0) out of the posterior. In units of the prior,
+// with P the posterior covariance and Q = I - P: mean Q^-1 d, covariance Q^-1 P.
+WithoutPrior without_prior(const VectorXd& moved, const MatrixXd& posterior,
+                           const VectorXd& prior) {
+  constexpr double kLeast = 1e-9;  // share of what is known of a direction that pictures tell
+  const VectorXd sigmas = prior.cwiseSqrt();
+  const VectorXd inverse_sigmas = sigmas.cwiseInverse();
+  const MatrixXd scaled = inverse_sigmas.asDiagonal() * posterior * inverse_sigmas.asDiagonal();
+  const PrincipalAxes axes =
+      principal_axes(MatrixXd::Identity(prior.size(), prior.size()) - scaled);
+  const VectorXd told = axes.values.cwiseMax(kLeast);
+  const VectorXd along = axes.vectors.transpose() * inverse_sigmas.cwiseProduct(moved);
+  const MatrixXd back = sigmas.asDiagonal() * axes.vectors;
+  const VectorXd variance = (VectorXd::Ones(prior.size()) - told).cwiseMax(0).cwiseQuotient(told);
+  return {back * along.cwiseQuotient(told), propagated_variances(back, variance)};
+}
+
 PlateOffset offset_of(const Vector6& moved, const Matrix6& posterior, const Vector6& prior,
                       const Vector6& surveyed) {
-  constexpr double kLeast = 1e-9;  // share of what is known of a direction that pictures tell
-  const Vector6 sigmas = prior.cwiseSqrt();
-  const Vector6 inverse_sigmas = sigmas.cwiseInverse();
-  const Matrix6 scaled = inverse_sigmas.asDiagonal() * posterior * inverse_sigmas.asDiagonal();
-  const PrincipalAxes axes = principal_axes(Matrix6::Identity() - scaled);
-  const Vector6 told = axes.values.cwiseMax(kLeast);
-  const Vector6 along = axes.vectors.transpose() * inverse_sigmas.cwiseProduct(moved);
-  const Matrix6 back = sigmas.asDiagonal() * axes.vectors;
-  const Vector6 mean = back * along.cwiseQuotient(told);
-  const Vector6 variance = (Vector6::Ones() - told).cwiseMax(0).cwiseQuotient(told);
+  const WithoutPrior told = without_prior(moved, posterior, prior);
   PlateOffset offset;
-  offset.shift = mean.head<3>();
-  offset.turn = mean.tail<3>();
-  offset.covariance = propagated_variances(back, variance);
+  offset.shift = told.mean.head<3>();
+  offset.turn = told.mean.tail<3>();
+  offset.covariance = told.covariance;
   Matrix6 expected = offset.covariance;
   expected.diagonal() += surveyed;
-  offset.chi_square = squared_mahalanobis(mean, expected);
+  offset.chi_square = squared_mahalanobis(Vector6(told.mean), expected);
   offset.shift_chi_square = squared_mahalanobis(offset.shift, expected.topLeftCorner<3, 3>());
   offset.turn_chi_square = squared_mahalanobis(offset.turn, expected.bottomRightCorner<3, 3>());
   return offset;
+}
+
+GroupShift shift_of(Network& network, const AdjustmentState& state,
+                    const std::vector<std::size_t>& plates) {
+  const auto count = static_cast<Index>(plates.size());
+  const PlateNormals& normals = network.normals();
+  std::vector<Index> columns;
+  VectorXd moved(6 * count);
+  VectorXd prior(6 * count);
+  for (Index i = 0; i < count; ++i) {
+    const std::size_t plate = plates[static_cast<std::size_t>(i)];
+    moved.segment<6>(6 * i) = network.moved_by(state, plate).head<6>();
+    prior.segment<6>(6 * i) = network.variance_of(plate).head<6>();
+    for (Index k = 0; k < 6; ++k) columns.push_back(PlateNormals::column_of(plate) + k);
+  }
+  MatrixXd unit = MatrixXd::Zero(normals.size(), 6 * count);
+  for (Index i = 0; i < 6 * count; ++i) unit(columns[static_cast<std::size_t>(i)], i) = 1;
+  const MatrixXd posterior = normals.solve(unit)(columns, Eigen::all);
+  const WithoutPrior told = without_prior(moved, posterior, prior);
+  GroupShift shift;
+  for (Index i = 0; i < count; ++i) {
+    shift.shift += told.mean.segment<3>(6 * i) / static_cast<double>(count);
+    for (Index j = 0; j < count; ++j) {
+      shift.covariance +=
+          told.covariance.block<3, 3>(6 * i, 6 * j) / static_cast<double>(count * count);
+    }
+  }
+  return shift;
 }
 
 // Minimises from the start. False when it does not get there.
@@ -466,6 +505,9 @@ std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
   result.size.resize(problem.plates.size(), 1);
   result.size_sigma.resize(problem.plates.size(), 0);
   result.calibration = state.calibration;
+  for (const auto& group : problem.groups) {
+    result.groups.push_back(shift_of(network, state, group));
+  }
   if (problem.calibration) result.calibration_covariance = network.calibration_covariance();
   for (std::size_t s = 0; s < problem.stations.size(); ++s) {
     const ReducedStation& station = network.stations()[s];

@@ -25,6 +25,13 @@ struct PlateOffset {
   double chi_square = 0;
 };
 
+// How far the corners P of a group of plates are from their surveyed places on the mean, world
+// axes, metres, by everything but the surveyed places of these plates.
+struct GroupShift {
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
 struct Adjustment {
   std::vector<Pose> world_from_plate;
   std::vector<double> size;                          // of each frame, as a share of the template's
@@ -32,6 +39,7 @@ struct Adjustment {
   double chi_square = 0;                             // of everything
   std::vector<double> station_chi_square;            // of the corners, by station
   std::vector<std::optional<PlateOffset>> offsets;   // by plate; none of plates in no station
+  std::vector<GroupShift> groups{};                  // the problem's
   std::vector<std::optional<VehiclePose>> vehicles;  // by station; none of one that tells nothing
   // Errors of the uncertain calibration parameters in the order of the layout's sigmas, then of the
   // frames' common size where that is not exact.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -189,12 +190,35 @@ void find_gross_errors(const Rig& rig, Site& site) {
 
 // --- the adjustment ---
 
+// The control plates, by the stations that show several of them.
+std::vector<std::vector<std::size_t>> control_groups(const Site& site) {
+  std::vector<std::size_t> group(site.drive.plates.size());
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const Station& station : site.drive.stations) {
+    std::optional<std::size_t> into;
+    for (const Sighting& sighting : station.sightings) {
+      if (!site.is_control[sighting.plate]) continue;
+      if (into) std::ranges::replace(group, group[sighting.plate], *into);
+      into = group[sighting.plate];
+    }
+  }
+  std::map<std::size_t, std::vector<std::size_t>> plates;
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    if (site.is_control[i]) plates[group[i]].push_back(i);
+  }
+  std::vector<std::vector<std::size_t>> groups;
+  for (const auto& [number, of] : plates) groups.push_back(of);
+  return groups;
+}
+
 std::optional<Adjustment> adjust(const Rig& rig, const Site& site) {
   std::vector<PlateFreedom> freed;
   for (const bool is_elsewhere : site.is_elsewhere) {
     freed.push_back(is_elsewhere ? PlateFreedom::place : PlateFreedom::none);
   }
-  return adjust_plates({&rig, site.drive.plates, site.drive.stations}, freed);
+  AdjustmentProblem problem{&rig, site.drive.plates, site.drive.stations};
+  problem.groups = control_groups(site);
+  return adjust_plates(problem, freed);
 }
 
 // The next adjustment starts from here.
@@ -329,6 +353,24 @@ AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::siz
   return tag;
 }
 
+ControlGroup control_group(const Site& site, const std::vector<std::size_t>& plates,
+                           const GroupShift& told) {
+  constexpr double kNothing = 10;  // metres
+  ControlGroup group;
+  Matrix3d covariance = told.covariance;
+  for (const std::size_t plate : plates) {
+    const SightedPlate& own = site.drive.plates[plate];
+    group.tags.push_back(own.name);
+    // A station's mistake is common to all.
+    covariance += Matrix3d(own.survey_variance.head<3>().asDiagonal()) / plates.size();
+  }
+  group.shift = told.shift.norm();
+  group.chi_square = squared_mahalanobis(told.shift, covariance);
+  group.unnoticed = kFarthestControl * worst_sigma(covariance);
+  if (group.unnoticed > kNothing) group.unnoticed = std::numeric_limits<double>::infinity();
+  return group;
+}
+
 AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adjustment& adjustment,
                               std::span<const std::string> control) {
   AsBuiltSurvey result;
@@ -336,6 +378,10 @@ AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adju
     const PlacedTag& tag = *find_tag(survey, std::string_view(site.drive.plates[i].name));
     const bool was_control = std::ranges::find(control, tag.name) != control.end();
     result.tags.push_back(as_built_tag(site, adjustment, i, tag, was_control));
+  }
+  const auto groups = control_groups(site);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    result.groups.push_back(control_group(site, groups[i], adjustment.groups[i]));
   }
   result.cut_off = site.cut_off;
   for (const Station& station : site.drive.stations) {
@@ -368,6 +414,28 @@ bool agree(const Survey& survey, const AsBuiltSurvey& found, const std::string& 
     if (shift_chi_square(tag, sigma) < kTwoThirds) ++fitting;
   }
   return fitting >= 3 && 3 * fitting >= 2 * placed;
+}
+
+// --- control tags that are wrong together ---
+
+// One tag, or a group of which each other holds it, that may hang wrong.
+struct ControlSuspect {
+  std::vector<std::string> tags;
+  double chi_square = 0;
+};
+
+// What is said of a tag that is one of `accused`.
+std::string accusation(const AsBuiltTag& tag, std::span<const ControlGroup> groups,
+                       std::size_t accused) {
+  const auto group = std::ranges::find_if(groups, [&](const ControlGroup& each) {
+    return std::ranges::find(each.tags, tag.tag) != each.tags.end();
+  });
+  std::string words = fmt::format("is a control tag, but hangs {:.0f} mm", 1e3 * tag.shift.norm());
+  if (group != groups.end() && group->tags.size() > 1) {
+    words += fmt::format(", or together with those seen with it {:.0f} mm,", 1e3 * group->shift);
+  }
+  words += " from where the survey has it by all others";
+  return accused > 1 ? words + "; it or another of the contradicted ones is wrong" : words;
 }
 
 }  // namespace
@@ -409,6 +477,34 @@ Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
   AsBuiltSurvey result = as_built_survey(survey, site, *adjustment, control);
   result.sigma_factor = factor;
   return result;
+}
+
+void judge_control(const Survey& survey, AsBuiltSurvey& found) {
+  constexpr double kClearly = 13.8;  // of chi-square: odds of 1000
+  std::vector<ControlSuspect> suspects;
+  for (const ControlGroup& group : found.groups) suspects.push_back({group.tags, group.chi_square});
+  for (const AsBuiltTag& tag : found.tags) {
+    if (tag.status != AsBuiltStatus::control && tag.status != AsBuiltStatus::contradicted) continue;
+    const double sigma = find_tag(survey, std::string_view(tag.tag))->sigma;
+    suspects.push_back({{tag.tag}, shift_chi_square(tag, sigma)});
+  }
+  double most = chi_square_limit(3, kFarthestControl);
+  if (std::ranges::none_of(suspects, [&](auto& each) { return each.chi_square > most; })) return;
+  for (const ControlSuspect& suspect : suspects) most = std::max(most, suspect.chi_square);
+  const double least = std::max(most - kClearly, chi_square_limit(3, kFarthestControl));
+  std::set<std::string> accused;
+  for (const ControlSuspect& suspect : suspects) {
+    if (suspect.chi_square >= least) accused.insert(suspect.tags.begin(), suspect.tags.end());
+  }
+  for (AsBuiltTag& tag : found.tags) {
+    if (accused.contains(tag.tag)) {
+      tag.status = AsBuiltStatus::contradicted;
+      tag.reason = accusation(tag, found.groups, accused.size());
+    } else if (tag.status == AsBuiltStatus::contradicted) {
+      tag.status = AsBuiltStatus::control;
+      tag.reason.clear();
+    }
+  }
 }
 
 std::optional<AsBuiltTag> contradicted_by_others(const Survey& survey, const Rig& rig,

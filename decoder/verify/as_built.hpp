@@ -48,13 +48,25 @@ struct LeftOutSighting {
   std::string tag;
 };
 
+// Control tags that are seen together, and where all else puts them: a mistake that they share, as
+// one of the station that they were surveyed from, contradicts none of them alone.
+struct ControlGroup {
+  std::vector<std::string> tags;
+  double shift = 0;       // of all of them from their surveyed places on the mean, metres
+  double chi_square = 0;  // of this shift, three degrees of freedom
+  // How far off all of them may be without being contradicted, metres; infinite where no other
+  // control tag tells.
+  double unnoticed = 0;
+};
+
 struct AsBuiltSurvey {
   std::vector<AsBuiltTag> tags;           // those seen, in the survey's order
   std::size_t stations = 0;               // used: places from which two tags and more were seen
   std::size_t sightings = 0;              // used: pictures of a tag
   std::vector<LeftOutSighting> left_out;  // contradict the rest
-  std::vector<std::string> cut_off;       // tags that only these tied to a control tag
-  double chi_square = 0;                  // of all corners
+  std::vector<ControlGroup> groups{};
+  std::vector<std::string> cut_off;  // tags that only these tied to a control tag
+  double chi_square = 0;             // of all corners
   int degrees_of_freedom = 0;
   double sigma_factor = 1;  // by which the corners' stated sigmas were raised, 1 = not
 };
@@ -66,6 +78,11 @@ struct AsBuiltSurvey {
 Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
                                       std::span<const SightedTag> sighted,
                                       std::span<const std::string> control);
+
+// Writes into the control tags which may be the ones that hang wrong where groups or single ones
+// contradict the rest: the likeliest, and all that are not clearly less likely (Baarda 1968, test
+// of one alternative after the other). Where none does, what each tag's own test says stays.
+void judge_control(const Survey& survey, AsBuiltSurvey& found);
 
 // Asks of a single control tag whether it hangs as surveyed, which its own adjustment cannot tell:
 // all others would be moved instead. The others are taken to hang about the surveyed places, by as

@@ -75,6 +75,79 @@ TEST_CASE("a tag in another place and a misread tag spoil nothing") {
   }));
 }
 
+// What judge_control makes of a drive with a control pair every 10 m.
+struct JudgedControl {
+  AsBuiltSurvey found;
+  std::vector<std::string> contradicted;
+};
+
+JudgedControl judged(const AsBuiltDrive& drive) {
+  auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
+  REQUIRE_MESSAGE(found, found.error().message);
+  JudgedControl result{std::move(*found), {}};
+  judge_control(drive.survey, result.found);
+  for (const AsBuiltTag& tag : result.found.tags) {
+    if (tag.status == AsBuiltStatus::contradicted) result.contradicted.push_back(tag.tag);
+  }
+  return result;
+}
+
+AsBuiltDrive drive_of_pairs(std::uint64_t seed) {
+  AsBuiltDriveOptions options;
+  options.pairs = 51;
+  options.stations = 300;
+  options.control_every = 10;
+  Draws draws(seed);
+  return as_built_drive(options, draws);
+}
+
+TEST_CASE("control tags that are surveyed right are held by each other, and none is accused") {
+  const AsBuiltDrive drive = drive_of_pairs(21);
+  const JudgedControl control = judged(drive);
+  CHECK(control.contradicted.empty());
+  REQUIRE(control.found.groups.size() == drive.control.size() / 2);
+  for (std::size_t i = 0; i < control.found.groups.size(); ++i) {
+    const ControlGroup& group = control.found.groups[i];
+    CAPTURE(group.tags.front());
+    CHECK(group.tags.size() == 2);
+    CHECK(group.chi_square < 25);
+    CHECK(group.shift < group.unnoticed);
+    CHECK(group.unnoticed < 0.02);
+  }
+  // At the ends of the drive the others are on one side only.
+  CHECK(control.found.groups.front().unnoticed > control.found.groups[1].unnoticed);
+}
+
+TEST_CASE("a control pair that is wrong together is named, whichever tag its photos strain") {
+  for (const Eigen::Vector3d& wrong :
+       {Eigen::Vector3d(0, 0.04, 0), Eigen::Vector3d(0, 0, 0.04), Eigen::Vector3d(0.04, 0, 0)}) {
+    CAPTURE(wrong.transpose());
+    AsBuiltDrive drive = drive_of_pairs(22);
+    const std::vector<std::string> pair{drive.control[4], drive.control[5]};
+    for (const std::string& name : pair) {
+      drive.survey.tags[index_of(drive, name)].world_from_plate.translation += wrong;
+    }
+    const JudgedControl control = judged(drive);
+    CHECK(control.contradicted == pair);
+  }
+}
+
+TEST_CASE("a single control tag that is wrong is named beside no other") {
+  AsBuiltDrive drive = drive_of_pairs(23);
+  drive.survey.tags[index_of(drive, drive.control[4])].world_from_plate.translation.z() += 0.04;
+  CHECK(judged(drive).contradicted == std::vector<std::string>{drive.control[4]});
+}
+
+TEST_CASE("two groups of control tags contradict each other: any may be wrong") {
+  Draws draws(24);
+  AsBuiltDrive drive = short_drive(draws);
+  REQUIRE(drive.control.size() == 4);
+  for (const std::size_t i : {2, 3}) {
+    drive.survey.tags[index_of(drive, drive.control[i])].world_from_plate.translation.y() += 0.06;
+  }
+  CHECK(judged(drive).contradicted.size() == 4);
+}
+
 TEST_CASE("what nothing ties to a control tag is named") {
   Draws draws(4);
   AsBuiltDrive drive = short_drive(draws);
