@@ -223,6 +223,25 @@ void find_bad_photos(const Case& c, Findings& findings) {
   }
 }
 
+// Photos of two cameras of a kind, or of a lens that moves by a little: each photo fits a camera of
+// its own better than chance lets it.
+void find_differing(const Case& c, Findings& findings) {
+  const CameraScatter scatter = camera_scatter(c.calibration.sightings);
+  const double limit = chi_square_limit(std::max(1, scatter.degrees), kSure);
+  if (scatter.chi_square <= limit) return;
+  const double of_chance = std::sqrt(limit / scatter.degrees);
+  findings.push_back(finding(
+      CalibrationIssue::photos_differ, CalibrationTrust::weak, c.calibration.photo_factor,
+      of_chance,
+      fmt::format(
+          "focal length and principal point differ from photo to photo {:.1f} times as much "
+          "as chance lets them",
+          c.calibration.photo_factor),
+      "calibrate each camera by itself, switch autofocus, zoom and image stabilisation off, see "
+      "that "
+      "the board does not bend, and take the photos again"));
+}
+
 // Where many photos are left out, none of them may be the wrong ones.
 void find_left_out(const Case& c, Findings& findings) {
   constexpr double kMany = 0.05;
@@ -290,10 +309,10 @@ void find_stretch(const Case& c, std::size_t index, Findings& findings) {
 }  // namespace
 
 std::string_view to_string(CalibrationIssue issue) {
-  constexpr std::array kNames{"focal_unknown",   "rays_unknown",    "too_few_photos",
-                              "not_covered",     "all_frontal",     "photo_contradicts",
-                              "photo_zoomed",    "tags_left_out",   "board_bowed",
-                              "board_stretched", "residuals_larger"};
+  constexpr std::array kNames{"focal_unknown", "rays_unknown",    "too_few_photos",
+                              "not_covered",   "all_frontal",     "photo_contradicts",
+                              "photo_zoomed",  "photos_differ",   "tags_left_out",
+                              "board_bowed",   "board_stretched", "residuals_larger"};
   static_assert(kNames.size() == static_cast<std::size_t>(CalibrationIssue::residuals_larger) + 1);
   return kNames[static_cast<std::size_t>(issue)];
 }
@@ -327,6 +346,7 @@ CalibrationAssessment assess_calibration(const CameraCalibration& calibration,
   find_too_few(c, findings);
   find_frontal(c, findings);
   find_bad_photos(c, findings);
+  find_differing(c, findings);
   find_left_out(c, findings);
   find_large_residuals(c, findings);
   for (std::size_t b = 0; b < boards.size(); ++b) {

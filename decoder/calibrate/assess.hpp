@@ -22,6 +22,7 @@ enum class CalibrationIssue {
   all_frontal,        // measured: the greatest tilt, radians
   photo_contradicts,  // measured: its chi-square over its degrees of freedom, rooted
   photo_zoomed,       // measured: relative change of its focal length
+  photos_differ,      // measured: the photo factor
   tags_left_out,      // measured: their share
   board_bowed,        // measured: metres out of the plane
   board_stretched,    // measured: relative

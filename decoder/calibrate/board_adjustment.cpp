@@ -399,29 +399,45 @@ std::optional<MatrixXd> inverse_of(const MatrixXd& matrix) {
   return MatrixXd(scale.asDiagonal() * *inverse * scale.asDiagonal());
 }
 
-// The relative change of one sighting's own focal length that fits it best, its pose going along,
-// and the change's standard deviation.
-std::pair<double, double> own_focal(const Adjuster& adjuster, const CalibrationProblem& problem,
-                                    const CalibrationState& state, std::size_t index) {
-  OwnVector cross = OwnVector::Zero();
+// One sighting with a camera of its own, its pose going along.
+OwnCamera own_camera(const Adjuster& adjuster, const CalibrationProblem& problem,
+                     const CalibrationState& state, std::size_t index) {
+  using Three = Eigen::Matrix<double, 8, 3>;  // by focal length, cx, cy
+  Eigen::Matrix<double, kSightingParameters, 3> cross =
+      Eigen::Matrix<double, kSightingParameters, 3>::Zero();
   OwnVector own_gradient = OwnVector::Zero();
-  double square = 0;
-  double gradient = 0;
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  Vector3d gradient = Vector3d::Zero();
   for (const TagObservation& tag : problem.sightings[index].tags) {
     if (!tag.used) continue;
     const auto rows = adjuster.whitened(state, index, tag);
     if (!rows) continue;
-    const CornerPixels by_focal =
-        state.camera.fx * rows->by_camera.col(0) + state.camera.fy * rows->by_camera.col(1);
-    cross += rows->own.transpose() * by_focal;
+    Three by;
+    by << state.camera.fx * rows->by_camera.col(0) + state.camera.fy * rows->by_camera.col(1),
+        rows->by_camera.col(2), rows->by_camera.col(3);
+    cross += rows->own.transpose() * by;
     own_gradient += rows->own.transpose() * rows->residual;
-    square += by_focal.squaredNorm();
-    gradient += by_focal.dot(rows->residual);
+    square += by.transpose() * by;
+    gradient += by.transpose() * rows->residual;
   }
-  const OwnVector solved = solve_symmetric(adjuster.normals()[index].own, cross);
-  const double left = square - cross.dot(solved);
-  if (!(left > 1e-9 * square)) return {0, 0};
-  return {-(gradient - solved.dot(own_gradient)) / left, 1 / std::sqrt(left)};
+  const MatrixXd solved = solve_symmetric(adjuster.normals()[index].own, cross);
+  const Eigen::Matrix3d left = square - cross.transpose() * solved;
+  const Vector3d right = gradient - solved.transpose() * own_gradient;
+  OwnCamera own;
+  if (left(0, 0) > 1e-9 * square(0, 0)) {
+    own.focal_change = -right[0] / left(0, 0);
+    own.focal_sigma = 1 / std::sqrt(left(0, 0));
+  }
+  // In units in which the diagonal is 1: what the photo does not tell has no part in it.
+  const Vector3d scale = left.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  const PrincipalAxes axes = principal_axes(scale.asDiagonal() * left * scale.asDiagonal());
+  const Vector3d along = axes.vectors.transpose() * scale.cwiseProduct(right);
+  for (Index i = 0; i < 3; ++i) {
+    if (!(axes.values[i] > 1e-6)) continue;
+    own.chi_square += along[i] * along[i] / axes.values[i];
+    ++own.degrees;
+  }
+  return own;
 }
 
 std::optional<TagObservation> observation_of(const Board& board, const BoardPlane& plane,
@@ -552,7 +568,7 @@ std::optional<CalibrationPrecision> precision_of(const CalibrationProblem& probl
   adjuster.linearise(state);
   const auto shared = inverse_of(adjuster.reduced(0).first);
   if (!shared) return std::nullopt;
-  CalibrationPrecision precision{*shared, {}, {}, {}};
+  CalibrationPrecision precision{*shared, {}, {}};
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
     const std::vector<Index> columns = adjuster.columns_of(problem.sightings[i].board);
     const SightingNormal& normal = adjuster.normals()[i];
@@ -560,9 +576,7 @@ std::optional<CalibrationPrecision> precision_of(const CalibrationProblem& probl
     SightingMatrix own = solve_symmetric(normal.own, SightingMatrix::Identity());
     own += propagated(by_shared, (*shared)(columns, columns));
     precision.sightings.push_back(own);
-    const std::pair<double, double> focal = own_focal(adjuster, problem, state, i);
-    precision.focal_change.push_back(focal.first);
-    precision.focal_sigma.push_back(focal.second);
+    precision.own_cameras.push_back(own_camera(adjuster, problem, state, i));
   }
   return precision;
 }

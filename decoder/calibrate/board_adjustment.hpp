@@ -134,15 +134,23 @@ double mean_edge(const CalibrationProblem& problem, const CalibrationState& stat
 double tag_chi_square(const CalibrationProblem& problem, const CalibrationState& state,
                       std::size_t sighting, const TagObservation& tag);
 
+// A sighting by itself with a camera of its own, the other parameters as they are.
+struct OwnCamera {
+  // Relative change of the focal length alone, and how well it is told; sigma 0 = not told.
+  double focal_change = 0;
+  double focal_sigma = 0;
+  // Of focal length and principal point together: by how much an own camera would lower the
+  // sighting's chi-square, and how many of the three it tells.
+  double chi_square = 0;
+  int degrees = 0;
+};
+
 // What a finished fit says of its own errors, by the covariances stated.
 struct CalibrationPrecision {
   // Of the free parameters of the form, then kShapeParameters for each board.
   Eigen::MatrixXd shared;
   std::vector<SightingMatrix> sightings;  // those not used included
-  // Each sighting by itself with a focal length of its own: its relative change, and how well that
-  // is told, the camera taken as it is; sigma 0 = not told.
-  std::vector<double> focal_change;
-  std::vector<double> focal_sigma;
+  std::vector<OwnCamera> own_cameras;
 };
 
 // Nothing when the system is singular.

@@ -263,8 +263,11 @@ void add_sightings(CameraCalibration& result, const CalibrationProblem& problem,
     one.edge_px = mean_edge(problem, state, i);
     one.tags_used = count_used(sighting);
     one.tilt = tilt_of(fitted.camera_from_middle);
-    one.focal_change = precision.focal_change[i];
-    one.focal_sigma = result.sigma_factor * precision.focal_sigma[i];
+    const OwnCamera& own = precision.own_cameras[i];
+    one.focal_change = own.focal_change;
+    one.focal_sigma = result.sigma_factor * own.focal_sigma;
+    one.camera_chi_square = own.chi_square / raised;
+    one.camera_degrees = own.degrees;
     for (const TagObservation& tag : sighting.tags) {
       TagResidual residual{sighting.view, sighting.board, tag.tag, tag.pixels};
       residual.residual =
@@ -320,6 +323,13 @@ void place_unused(const CalibrationProblem& problem, CalibrationState& state,
   }
 }
 
+// What a photo's corners have in common is averaged over the photos, not over the corners. At least
+// 1.
+double photo_factor(std::span<const CalibratedSighting> sightings) {
+  const CameraScatter scatter = camera_scatter(sightings);
+  return scatter.degrees > 0 ? std::sqrt(std::max(1.0, scatter.chi_square / scatter.degrees)) : 1;
+}
+
 Result<CameraCalibration> result_of(const CalibrationProblem& problem, std::vector<FormFit> fits) {
   const std::size_t chosen = weigh(fits);
   CameraCalibration result;
@@ -341,6 +351,10 @@ Result<CameraCalibration> result_of(const CalibrationProblem& problem, std::vect
   result.degrees_of_freedom = best.degrees_of_freedom;
   result.sigma_factor = factor_of(best);
   add_sightings(result, problem, best.state, *precision);
+  result.photo_factor = photo_factor(result.sightings);
+  const double raised = result.photo_factor * result.photo_factor;
+  result.covariance *= raised;
+  for (TriedForm& tried : result.tried) tried.covariance *= raised;
   add_boards(result, best.state, *precision);
   result.edge_px = mean_edge(result);
   return result;
@@ -406,6 +420,16 @@ Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
   Result<CameraCalibration> result = fit_all();
   if (result && leave_out_zoomed(better.problem, *result)) result = fit_all();
   return result;
+}
+
+CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings) {
+  CameraScatter scatter;
+  for (const CalibratedSighting& sighting : sightings) {
+    if (!sighting.used) continue;
+    scatter.chi_square += sighting.camera_chi_square;
+    scatter.degrees += sighting.camera_degrees;
+  }
+  return scatter;
 }
 
 bool has_other_focal(const CalibratedSighting& sighting) {

@@ -54,6 +54,10 @@ struct CalibratedSighting {
   // from that taken as calibrated; sigma 0 = the sighting does not tell.
   double focal_change = 0;
   double focal_sigma = 0;
+  // Of a focal length and a principal point of its own against the calibrated ones, and how many of
+  // the three the sighting tells.
+  double camera_chi_square = 0;
+  int camera_degrees = 0;
 };
 
 // What is left at one tag.
@@ -90,6 +94,9 @@ struct CameraCalibration {
   // Root of chi-square over the degrees of freedom, at least 1. All covariances here are multiplied
   // by its square: residuals larger than stated raise them, smaller ones lower nothing.
   double sigma_factor = 1;
+  // The camera's are multiplied by this one's square, too: root of camera_scatter's chi-square over
+  // its degrees of freedom, at least 1.
+  double photo_factor = 1;
 };
 
 // Views of one camera at one focus and zoom. Needs no guess: perspective cameras from telephoto to
@@ -104,6 +111,14 @@ struct CameraCalibration {
 // views are of different sizes, and where fewer than four tags were seen in all.
 Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
                                            std::span<const Board> boards);
+
+// Whether the photos used, each by itself, have the calibrated focal length and principal point.
+struct CameraScatter {
+  double chi_square = 0;
+  int degrees = 0;
+};
+
+CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings);
 
 // Whether the sighting by itself has another focal length than the calibration, for sure.
 bool has_other_focal(const CalibratedSighting& sighting);

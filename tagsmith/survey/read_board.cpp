@@ -119,10 +119,16 @@ void check_scale(const Board& board, const MapReader& measured) {
   const auto [right, down] = board.scale;
   const std::string found = "the print is " + percent(right) +
                             " of its drawn size to the right and " + percent(down) + " down";
-  if (std::max(std::abs(right - 1), std::abs(down - 1)) > kMostOffScale) {
-    measured.log().error(measured.place(), "board-scale", found + ", expected 98 to 102 %",
-                         "measure from cross to cross, in millimetres; if that is right, print "
-                         "again at 100 %, without \"fit to page\"");
+  const double rounding = 1e-9;
+  const auto fits = [&](double scale) { return std::abs(scale - 1) <= kMostOffScale + rounding; };
+  if (!fits(right) || !fits(down)) {
+    const char* remedy = fits(right * down) ? "are a_b_mm and a_c_mm exchanged?"
+                         : fits(right / down) && right < 0.2
+                             ? "write millimetres"
+                             : "measure from cross to cross, in millimetres; if that is right, "
+                               "print again at 100 %, "
+                               "without \"fit to page\"";
+    measured.log().error(measured.place(), "board-scale", found + ", more than 2 % off", remedy);
   } else if (std::abs(right - down) > kMostUnequal) {
     measured.log().error(measured.place(), "board-scale",
                          found + ", expected both within 1 % of each other",

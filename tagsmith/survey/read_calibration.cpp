@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/camera_limits.hpp"
@@ -237,6 +239,12 @@ bool read_distortion(Camera& camera, const Entry& entry, const StatedModel& stat
 // used the fisheye's. Nothing, with an error, for a model that is not supported.
 std::optional<StatedModel> stated_model(const YamlNode& root, const Entry& distortion,
                                         FindingLog& log) {
+  if (const YamlNode* xi = value_at(root, "xi", log)) {  // OpenCV's omnidir module
+    log.error(xi->place, "lens-model",
+              "xi: the calibration is of an omnidirectional lens (Mei), which is not supported",
+              "calibrate with cv::fisheye, or with tagsmith calibrate");
+    return std::nullopt;
+  }
   StatedModel stated{std::nullopt, distortion.value->place};
   if (const YamlNode* name = value_at(root, "distortion_model", log)) {
     stated.place = name->place;
@@ -270,6 +278,22 @@ bool shows_whole_image(const YamlNode& root, FindingLog& log) {
   bool whole = check(root, "binning_x", 1) && check(root, "binning_y", 1);
   if (const YamlNode* roi = value_at(root, "roi", log)) {
     whole = check(*roi, "x_offset", 0) && check(*roi, "y_offset", 0) && whole;
+    const auto pixels = [&](const YamlNode& map, const char* key) {
+      const YamlNode* node = value_at(map, key, log);
+      return node != nullptr ? parse_number(node->text).value_or(0) : 0;
+    };
+    // 0, and all of it, stand for the whole image.
+    const auto is_part = [&](const char* key) {
+      const double part = pixels(*roi, key);
+      const double all = pixels(root, key);
+      if (!(part > 0 && all > 0 && part < all)) return false;
+      log.error(
+          value_at(*roi, key, log)->place, "part-of-image",
+          fmt::format("roi.{} is {} of {}: the camera gives a part of its image", key, part, all),
+          "calibrate with the images that the vehicle takes");
+      return true;
+    };
+    if (is_part("width") || is_part("height")) whole = false;
   }
   return whole;
 }

@@ -83,6 +83,31 @@ TEST_CASE("photos that cover the picture and tilt the board are good, and nothin
   CHECK(result.assessment.grid.worst_sigma_px() < 0.5);
 }
 
+TEST_CASE(
+    "photos of two cameras of one kind, or of a lens that moves, are told and no less certain") {
+  const Board board = test::plate_board();
+  // Half a pixel of the principal point, or 0.1 % of the focal length, this way and that.
+  for (const Vector2d& moved : {Vector2d(0.5, 0), Vector2d(0, 1e-3)}) {
+    CAPTURE(moved.transpose());
+    Draws draws(11);
+    std::vector<BoardView> views;
+    for (std::size_t i = 0; i < 16; ++i) {
+      const double way = i % 2 == 0 ? 1 : -1;
+      Camera camera = test::kWideCamera;
+      camera.cx += way * moved.x();
+      camera.fx *= 1 + way * moved.y();
+      camera.fy = camera.fx;
+      views.push_back(test::seen_boards(camera, board, 16, draws)[i]);
+      views.back().file = "photo" + std::to_string(i);
+    }
+    const Assessed result = assessed(views, board);
+    REQUIRE(result.find(CalibrationIssue::photos_differ) != nullptr);
+    CHECK(result.assessment.trust != CalibrationTrust::good);
+    CHECK(result.calibration.photo_factor > 1.5);
+    check_honest(result, test::kWideCamera);
+  }
+}
+
 TEST_CASE("boards seen from the front alone do not tell the focal length") {
   const Board board = test::plate_board();
   const Camera camera{1280, 960, 1100, 1100, 645.2, 473.1};

@@ -51,9 +51,9 @@ Lived live(const std::vector<Observation>& rows, const test::Site& site) {
     };
     Observation seen;
     Fix fix = located(seen);
-    const auto found = memory.learn(seen, fix, site.rig);
-    if (!found.empty()) fix = located(seen);
-    for (const SetAside& aside : found) lived.aside.push_back(aside.tag + " " + aside.rule);
+    const RunCheck found = memory.learn(seen, fix, site.rig);
+    if (!found.aside.empty()) fix = located(seen);
+    for (const SetAside& aside : found.aside) lived.aside.push_back(aside.tag + " " + aside.rule);
     lived.fixes.push_back(fix);
   }
   return lived;

@@ -214,6 +214,8 @@ const BrokenCalibration kCalibrationErrors[] = {
     {"five of a fisheye", kOpenCvYaml, "fisheye_model: 0", "fisheye_model: 1", "wrong-length", 16},
     {"no calibration yet", kRosMessage, "K: [800.5, 0.0, 640.25, 0.0, 801.5, 480.75",
      "K: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0", "out-of-range", 11},
+    {"cropped", kRosMessage, "  height: 0", "  height: 480", "part-of-image", 19},
+    {"an omnidirectional lens", kOpenCvYaml, "flags: 2", "xi: 1.2", "lens-model", 8},
     {"binned", kRosMessage, "binning_x: 0", "binning_x: 2", "part-of-image", 14},
     {"a window", kRosMessage, "x_offset: 0", "x_offset: 20", "part-of-image", 17},
     {"several cameras", kKalibr, "rostopic: /cam0", "topic: /cam0", "several-cameras", 1},
