@@ -18,7 +18,7 @@
 #include "decoder/verify/child_process.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;

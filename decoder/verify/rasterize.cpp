@@ -14,7 +14,7 @@
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/verify/child_process.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

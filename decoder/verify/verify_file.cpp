@@ -23,7 +23,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 

@@ -18,7 +18,7 @@
 #include "tagsmith/render/qr_symbol.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tagsmith/render/tag_text.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

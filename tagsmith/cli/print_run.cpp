@@ -19,7 +19,7 @@
 #include "tagsmith/render/setting_out_sheets.hpp"
 #include "tagsmith/render/zip_file.hpp"
 #include "tagsmith/survey/setting_out.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/symbology/upca.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

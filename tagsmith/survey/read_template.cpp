@@ -14,7 +14,7 @@
 #include "tagsmith/survey/read_tag_geometry.hpp"
 #include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
