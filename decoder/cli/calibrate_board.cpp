@@ -28,8 +28,8 @@
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/survey/board_file.hpp"
 #include "tagsmith/survey/edit_rig.hpp"
-#include "tagsmith/survey/read_board.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/write_calibration.hpp"
 

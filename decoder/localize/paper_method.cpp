@@ -19,7 +19,7 @@
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
-#include "tagsmith/survey/pair_angle.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 namespace {

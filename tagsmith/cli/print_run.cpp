@@ -18,7 +18,7 @@
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/setting_out_sheets.hpp"
 #include "tagsmith/render/zip_file.hpp"
-#include "tagsmith/survey/setting_out.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {

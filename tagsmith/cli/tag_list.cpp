@@ -15,9 +15,9 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/survey/assumptions.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/revision.hpp"
-#include "tagsmith/survey/setting_out.hpp"
 
 namespace tagsmith::detail {
 namespace {

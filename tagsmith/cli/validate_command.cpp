@@ -21,15 +21,14 @@
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
 #include "tagsmith/render/logo.hpp"
-#include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/rules.hpp"
-#include "tagsmith/survey/setting_out.hpp"
 
 namespace tagsmith::detail {
 namespace {

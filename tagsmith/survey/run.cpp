@@ -13,7 +13,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
-#include "tagsmith/survey/tunnel_limits.hpp"
+#include "tagsmith/survey/limits.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
