@@ -10,7 +10,6 @@
 #include <doctest/doctest.h>
 
 #include "decoder/scan/characters.hpp"
-#include "decoder/scan/corrupted_digits.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/decode_part.hpp"
 #include "decoder/scan/decoding.hpp"
