@@ -12,7 +12,7 @@
 #include "decoder/image/grow_ink.hpp"
 #include "decoder/image/transform.hpp"
 #include "decoder/reader/judge.hpp"
-#include "decoder/reader/survey_options.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/verify/diagnose.hpp"
 #include "decoder/verify/mirrored.hpp"
 
