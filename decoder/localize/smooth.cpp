@@ -11,7 +11,7 @@
 
 #include <fmt/core.h>
 
-#include "decoder/localize/outside_tunnel.hpp"
+#include "decoder/localize/fix.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
