@@ -15,7 +15,6 @@
 #include "decoder/image/transform.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/verify/child_process.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/printer.hpp"
