@@ -10,10 +10,8 @@
 #include <iostream>
 #include <limits>
 #include <map>
-#include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,6 @@
 #include <cstddef>
 
 #include "decoder/localize/repeated_pictures.hpp"
-#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
 
 namespace tagsmith::detail {

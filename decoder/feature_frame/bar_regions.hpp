@@ -2,7 +2,6 @@
 // Regions of parallel bars, framed or not, found by their texture alone.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "decoder/localize/fix.hpp"
 #include "decoder/paper/closed_form.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/camera.hpp"

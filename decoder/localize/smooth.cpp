@@ -11,7 +11,6 @@
 
 #include <fmt/core.h>
 
-#include "decoder/localize/fix.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 

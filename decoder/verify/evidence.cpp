@@ -11,8 +11,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/grow_ink.hpp"
 #include "decoder/image/transform.hpp"
-#include "decoder/reader/judge.hpp"
-#include "decoder/reader/read_options.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "decoder/verify/diagnose.hpp"
 #include "tagsmith/tag/drawing.hpp"
 

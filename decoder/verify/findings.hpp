@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/reading.hpp"
 #include "decoder/verify/evidence.hpp"
 #include "decoder/verify/verified_file.hpp"
 #include "tagsmith/geometry/camera.hpp"

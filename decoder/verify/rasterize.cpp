@@ -20,7 +20,6 @@
 #include "decoder/image/load.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 

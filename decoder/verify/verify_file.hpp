@@ -10,7 +10,6 @@
 #include "decoder/grade/grade.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/reading.hpp"
 #include "decoder/verify/evidence.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/photo_cameras.hpp"

@@ -34,7 +34,6 @@
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/edit_yaml.hpp"
-#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 

@@ -18,7 +18,6 @@
 #include "tagsmith/render/qr_symbol.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tagsmith/render/tag_text.hpp"
-#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -24,7 +24,6 @@
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
-#include "tagsmith/survey/rules.hpp"
 #include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 

@@ -11,6 +11,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/survey/limits.hpp"
 
 namespace tagsmith::detail {
 

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <optional>
 
-#include "tagsmith/survey/limits.hpp"
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/survey/tunnel.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"

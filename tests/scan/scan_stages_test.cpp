@@ -24,6 +24,7 @@
 #include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/symbol_fit.hpp"
 #include "decoder/scan/symbol_places.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tests/scan/made_profile.hpp"
 
 using namespace tagsmith::detail;
