@@ -13,6 +13,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/verify/verify_merge.hpp"
 #include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
@@ -98,9 +99,8 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     y -= 0.0055;
   }
   std::vector<std::string> lines = completeness_words(covered, kMostStretches);
-  lines.insert(lines.begin(), fmt::format("{} file{} verified, {} fault{} found", merged.files,
-                                          merged.files == 1 ? "" : "s", merged.fault_count,
-                                          merged.fault_count == 1 ? "" : "s"));
+  lines.insert(lines.begin(), fmt::format("{} verified, {} found", counted(merged.files, "file"),
+                                          counted(merged.fault_count, "fault")));
   if (merged.other_revisions > 0) {
     lines.push_back(fmt::format("{} files were verified against another state of the survey",
                                 merged.other_revisions));

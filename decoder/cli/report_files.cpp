@@ -346,9 +346,9 @@ std::string completeness_text(const Completeness& covered, const VerifyMerge& me
   }
   if (covered.unseen.empty()) return text;
   constexpr std::size_t kMostOpen = 8;
-  text += fmt::format("<details{}><summary>Not seen, {} place{}</summary>\n<ul>\n",
-                      covered.unseen.size() <= kMostOpen ? " open" : "", covered.unseen.size(),
-                      covered.unseen.size() == 1 ? "" : "s");
+  text += fmt::format("<details{}><summary>Not seen, {}</summary>\n<ul>\n",
+                      covered.unseen.size() <= kMostOpen ? " open" : "",
+                      counted(covered.unseen.size(), "place"));
   for (const UnseenStretch& stretch : covered.unseen) {
     text += "<li>" + markup_text(describe(stretch)) + "</li>\n";
   }
@@ -356,10 +356,10 @@ std::string completeness_text(const Completeness& covered, const VerifyMerge& me
 }
 
 std::string heading(const Survey& survey, const VerifyMerge& merged) {
-  std::string text = "<h1>Verification of " + markup_text(survey.name) + "</h1>\n" +
-                     fmt::format("<p class=\"sub\">{} file{}, {} fault{}; survey revision {}",
-                                 merged.files, merged.files == 1 ? "" : "s", merged.fault_count,
-                                 merged.fault_count == 1 ? "" : "s", survey_revision(survey));
+  std::string text =
+      "<h1>Verification of " + markup_text(survey.name) + "</h1>\n" +
+      fmt::format("<p class=\"sub\">{}, {}; survey revision {}", counted(merged.files, "file"),
+                  counted(merged.fault_count, "fault"), survey_revision(survey));
   if (merged.other_revisions > 0) {
     text += fmt::format("; {} files were verified against another state of the survey",
                         merged.other_revisions);

@@ -174,10 +174,9 @@ std::string plan_heading(const PlannedDrive& drive) {
   const DrivePlan& plan = drive.plan;
   const VehicleEnvelope envelope = drive.rig.envelope.value_or(VehicleEnvelope{});
   std::string text =
-      fmt::format("{} with {}: chainage {:.2f} to {:.2f} m every {} m, {} pose{} each",
-                  drive.survey.name, drive.rig.name, plan.columns.front().chainage,
-                  plan.columns.back().chainage, format_number(plan.options.step, 4),
-                  plan.poses_per_column, plan.poses_per_column == 1 ? "" : "s");
+      fmt::format("{} with {}: chainage {:.2f} to {:.2f} m every {} m, {} each", drive.survey.name,
+                  drive.rig.name, plan.columns.front().chainage, plan.columns.back().chainage,
+                  format_number(plan.options.step, 4), counted(plan.poses_per_column, "pose"));
   if (!drive.rig.envelope) return text + " (the rig has no envelope: only the center line)";
   text += fmt::format(" (up to {} m and {} deg to either side", format_number(envelope.lateral, 3),
                       format_number(degrees(envelope.yaw), 2));

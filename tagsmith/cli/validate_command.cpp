@@ -179,10 +179,6 @@ std::string json_line(const Diagnostic& diagnostic) {
   return json_text(line);
 }
 
-std::string counted(std::size_t count, const std::string& noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 int report(const Findings& findings, const ValidateOptions& options) {
   FindingPrinter printer;
   for (const Diagnostic& diagnostic : findings.diagnostics) {
