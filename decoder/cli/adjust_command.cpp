@@ -107,19 +107,16 @@ Result<std::vector<VerifiedFile>> verify_photos(const AdjustInput& input, int jo
   const std::string revision = survey_revision(input.survey);
   std::vector<VerifiedFile> files(input.photos.size());
   std::string failure;
-  ProgressBar progress("photos", files.size());
-  run_in_order(files.size(), jobs, [&](std::size_t i) -> Delivery {
-    auto verified = std::make_shared<Result<VerifiedFile>>(verify_file(request, input.photos[i]));
-    return [&, i, verified] {
-      if (*verified) {
-        files[i] = std::move(**verified);
-        files[i].revision = revision;
-      } else if (failure.empty()) {
-        failure = verified->error().message;
-      }
-      progress.advance([] {});
-    };
-  });
+  const auto verify = [&](std::size_t i) { return verify_file(request, input.photos[i]); };
+  const auto take = [&](std::size_t i, Result<VerifiedFile>& verified) {
+    if (verified) {
+      files[i] = std::move(*verified);
+      files[i].revision = revision;
+    } else if (failure.empty()) {
+      failure = verified.error().message;
+    }
+  };
+  run_below_bar("photos", files.size(), jobs, verify, take);
   if (!failure.empty()) return fail(failure);
   return files;
 }

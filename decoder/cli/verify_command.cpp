@@ -459,13 +459,10 @@ Result<VerifyOutcome> verify_all(const Job& job, const std::vector<fs::path>& fi
   if (auto read = read_resumed(options, job.revision, remember, true); !read) {
     return fail(read.error().message);
   }
-  {
-    ProgressBar bar("files", files.size());
-    run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
-      auto one = std::make_shared<VerifiedOne>(verify_one(options, job.request, before, files[i]));
-      return [&, one] { bar.advance([&] { deliver(job, *one, outcome); }); };
-    });
-  }
+  run_below_bar(
+      "files", files.size(), options.jobs,
+      [&](std::size_t i) { return verify_one(options, job.request, before, files[i]); },
+      [&](std::size_t, VerifiedOne& one) { deliver(job, one, outcome); });
   for (const auto& step : {judge_waiting, add_skipped}) {
     if (auto done = step(job, outcome); !done) return fail(done.error().message);
   }

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <set>
 #include <span>
 #include <utility>
@@ -429,18 +428,12 @@ Result<void> prove_all(const PrintJob& job, const StagedFiles& files, PrintRecor
   if (!job.style.prove) return {};
   record.proofs.emplace();
   Result<void> all;
-  ProgressBar bar("pages proved", job.units.size());
-  run_in_order(job.units.size(), job.style.jobs, [&](std::size_t i) -> Delivery {
-    auto proofs = std::make_shared<Result<std::vector<TagProof>>>(prove_unit(job, files, i));
-    return [&, proofs] {
-      bar.advance([] {});
-      if (!*proofs) {
-        if (all) all = fail(proofs->error().message);
-        return;
-      }
-      std::ranges::move(**proofs, std::back_inserter(*record.proofs));
-    };
-  });
+  const auto prove = [&](std::size_t i) { return prove_unit(job, files, i); };
+  const auto take = [&](std::size_t, Result<std::vector<TagProof>>& proofs) {
+    if (proofs) std::ranges::move(*proofs, std::back_inserter(*record.proofs));
+    if (!proofs && all) all = fail(proofs.error().message);
+  };
+  run_below_bar("pages proved", job.units.size(), job.style.jobs, prove, take);
   return all;
 }
 
