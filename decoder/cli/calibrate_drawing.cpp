@@ -529,11 +529,6 @@ std::string photo_rows(const BoardCalibration& result) {
   return rows;
 }
 
-std::string table(const char* head, const std::string& rows) {
-  return "<div class=\"scroll\"><table><thead><tr>" + std::string(head) + "</tr></thead><tbody>\n" +
-         rows + "</tbody></table></div>\n";
-}
-
 }  // namespace
 
 std::string calibration_page(const BoardCalibration& result) {
@@ -547,16 +542,17 @@ std::string calibration_page(const BoardCalibration& result) {
     page += "<p class=\"sub\">" + markup_text(fact) + "</p>\n";
   }
   page += pictures(result);
-  page += "<h2>Camera</h2>\n" +
-          table("<th></th><th>value</th><th>standard deviation</th>", number_rows(calibration));
+  page += "<h2>Camera</h2>\n" + page_table("<th></th><th>value</th><th>standard deviation</th>",
+                                           number_rows(calibration));
   page += "<h2>Photos</h2>\n" +
-          table(
+          page_table(
               "<th>photo</th><th>board</th><th>tags used</th><th>tilt, degrees</th>"
               "<th>distance, m</th><th>residuals, sigmas</th>",
               photo_rows(result));
-  page += "<h2>Lens forms that were tried</h2>\n" +
-          table("<th>form</th><th>parameters</th><th>chi-square</th><th>BIC</th><th>weight</th>",
-                form_rows(calibration));
+  page +=
+      "<h2>Lens forms that were tried</h2>\n" +
+      page_table("<th>form</th><th>parameters</th><th>chi-square</th><th>BIC</th><th>weight</th>",
+                 form_rows(calibration));
   return page + "</body>\n</html>\n";
 }
 

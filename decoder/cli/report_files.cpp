@@ -268,11 +268,13 @@ std::string hanging_table(const VerifyMerge& merged) {
   }
   return "<h2>Where the tags hang</h2>\n<p class=\"sub\">Against the survey, as one sees them who "
          "faces the wall, with standard deviations; seen: places of the cameras that show the tag "
-         "together with another.</p>\n<div class=\"scroll\"><table><thead><tr><th>tag</th>"
-         "<th>verdict</th><th>right, mm</th><th>up, mm</th><th>out, mm</th>"
-         "<th class=\"more\">clockwise, &deg;</th><th class=\"more\">right edge out, &deg;</th>"
-         "<th class=\"more\">top out, &deg;</th><th>seen</th></tr></thead><tbody>\n" +
-         rows + "</tbody></table></div>\n";
+         "together with another.</p>\n" +
+         page_table(
+             "<th>tag</th><th>verdict</th><th>right, mm</th><th>up, mm</th><th>out, mm</th>"
+             "<th class=\"more\">clockwise, &deg;</th>"
+             "<th class=\"more\">right edge out, &deg;</th>"
+             "<th class=\"more\">top out, &deg;</th><th>seen</th>",
+             rows);
 }
 
 std::string fault_card(const FaultRecord& fault) {
@@ -379,13 +381,13 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
          "<input id=\"filter\" type=\"search\" placeholder=\"unseen, 003L, glare\" "
          "autocomplete=\"off\">\n<p id=\"shown\" class=\"sub\" role=\"status\"></p></div>\n"
          "<h2>Faults</h2>\n" +
-         fault_cards(merged) +
-         "<h2>Tags</h2>\n<div class=\"scroll\"><table><thead><tr><th>tag</th><th>status</th>"
-         "<th class=\"more\">chainage, m</th><th>seen</th><th>faults</th><th>best</th>"
-         "<th>worst</th><th class=\"more\">blame</th><th class=\"more\">upright</th></tr></thead>"
-         "<tbody>\n" +
-         tag_rows(survey, merged) + "</tbody></table></div>\n" + hanging_table(merged) +
-         "<script>" + kScript + "</script>\n</body>\n</html>\n";
+         fault_cards(merged) + "<h2>Tags</h2>\n" +
+         page_table(
+             "<th>tag</th><th>status</th><th class=\"more\">chainage, m</th><th>seen</th>"
+             "<th>faults</th><th>best</th><th>worst</th><th class=\"more\">blame</th>"
+             "<th class=\"more\">upright</th>",
+             tag_rows(survey, merged)) +
+         hanging_table(merged) + "<script>" + kScript + "</script>\n</body>\n</html>\n";
 }
 
 // ---- The files.

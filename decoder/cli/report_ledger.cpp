@@ -88,9 +88,7 @@ std::string plan_text(const LedgerReport& report) {
         markup_text(due_in_words(plate)), markup_text(plate.reason));
   }
   if (rows.empty()) return "<p>Nothing: no plate's trend falls to a limit.</p>\n";
-  return "<div class=\"scroll\"><table><thead><tr><th>tag</th><th>what</th><th>at the limit "
-         "on</th><th>now</th></tr></thead><tbody>\n" +
-         rows + "</tbody></table></div>\n";
+  return page_table("<th>tag</th><th>what</th><th>at the limit on</th><th>now</th>", rows);
 }
 
 std::string mended_text(const LedgerReport& report) {
@@ -102,9 +100,8 @@ std::string mended_text(const LedgerReport& report) {
                         markup_text(fault.rule.empty() ? "low grade" : fault.rule),
                         last_found_in_words(fault));
   }
-  return "<div class=\"scroll\"><table><thead><tr><th>tag</th><th>in order on</th><th>what it "
-         "was</th><th>last found</th></tr></thead><tbody>\n" +
-         rows + "</tbody></table></div>\n";
+  return page_table("<th>tag</th><th>in order on</th><th>what it was</th><th>last found</th>",
+                    rows);
 }
 
 // The days of all pictures, so that they can be compared.
@@ -202,10 +199,12 @@ std::string ledger_page(const Survey& survey, const LedgerReport& report) {
          heading(survey, report) + "<h2>To do now</h2>\n" + now_text(survey, report) +
          "<h2>To plan</h2>\n" + plan_text(report) + "<h2>Mended</h2>\n" + mended_text(report) +
          "<h2>In no photo with a date</h2>\n" + unseen_text(survey, report) +
-         "<h2>All plates, the most urgent first</h2>\n<div class=\"scroll\"><table><thead><tr>"
-         "<th>tag</th><th>what</th><th>grade</th><th>its days</th><th>at the limit on</th>"
-         "<th>last seen</th><th class=\"more\">photos</th></tr></thead><tbody>\n" +
-         plate_rows(report) + "</tbody></table></div>\n" + kLegend + "</body>\n</html>\n";
+         "<h2>All plates, the most urgent first</h2>\n" +
+         page_table(
+             "<th>tag</th><th>what</th><th>grade</th><th>its days</th>"
+             "<th>at the limit on</th><th>last seen</th><th class=\"more\">photos</th>",
+             plate_rows(report)) +
+         kLegend + "</body>\n</html>\n";
 }
 
 // ---- The report.
