@@ -2,7 +2,6 @@
 // What public values hold, and how they become the modules' own. Internal to decoder/api.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +14,6 @@
 #include <tagsmith/rig.hpp>
 #include <tagsmith/survey.hpp>
 
-#include "decoder/feature_frame/corner_covariance.hpp"
 #include "decoder/feature_frame/frame.hpp"
 #include "decoder/image/gray.hpp"
 #include "tagsmith/geometry/camera.hpp"

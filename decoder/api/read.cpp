@@ -7,8 +7,8 @@
 #include <tagsmith/read.hpp>
 
 #include "decoder/api/data.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/survey_options.hpp"
 
 namespace tagsmith {
 namespace {

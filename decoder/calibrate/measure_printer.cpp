@@ -13,7 +13,6 @@
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/covariance.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
 #include "tagsmith/tag/printer_test.hpp"
 
 namespace tagsmith::detail {

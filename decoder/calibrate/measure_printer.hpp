@@ -6,7 +6,7 @@
 
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/tag/printer_profile.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 

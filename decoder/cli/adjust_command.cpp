@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <ctime>
+#include <filesystem>
+#include <functional>
+#include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/chrono.h>
@@ -11,23 +17,319 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "decoder/cli/adjust_drawing.hpp"
-#include "decoder/cli/adjust_input.hpp"
 #include "decoder/cli/commands.hpp"
+#include "decoder/cli/file_list.hpp"
+#include "decoder/cli/magnified.hpp"
+#include "decoder/cli/report_files.hpp"
+#include "decoder/cli/verify_hanging.hpp"
 #include "decoder/verify/as_built.hpp"
+#include "decoder/verify/hanging_check.hpp"
+#include "decoder/verify/verify_file.hpp"
+#include "decoder/verify/verify_json.hpp"
+#include "tagsmith/base/date.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/base/unified_diff.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/sheet.hpp"
 #include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/tunnel_plan.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/edit_placed.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
+#include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
+
+// ---- What the command works on: the survey, the rig, control tags, and every sighting of a tag.
+
 namespace {
+
+constexpr const char* kAdjust = "adjust";
+
+struct AdjustOptions {
+  std::string survey;
+  std::vector<std::string> files;
+  HangingOptions hanging;
+  std::vector<std::string> control;
+  std::string output;   // the survey that is written
+  std::string diff;     // the same as changes to the survey
+  std::string drawing;  // PDF, SVG or PNG
+  std::string date;
+  bool json = false;
+  int jobs = 0;
+};
+
+struct AdjustInput {
+  Survey survey;
+  HangingSetup setup;
+  std::vector<std::filesystem::path> lines;  // output of verify
+  std::vector<std::filesystem::path> photos;
+  std::vector<std::string> control;  // names of tags of the survey
+};
+
+namespace fs = std::filesystem;
+
+bool holds_lines(const std::string& file) {
+  const std::string extension = fs::path(file).extension().string();
+  return extension == ".jsonl" || extension == ".json" || extension == ".ndjson";
+}
+
+Result<std::vector<std::string>> control_tags(const AdjustOptions& options, const Survey& survey) {
+  for (const std::string& name : options.control) {
+    if (find_tag(survey, std::string_view(name)) != nullptr) continue;
+    return fail(
+        fmt::format("--control {}: {} has no tag of this name", name, survey.file.string()));
+  }
+  if (!options.control.empty()) return options.control;
+  std::vector<std::string> names;
+  for (const PlacedTag& tag : survey.tags) {
+    if (tag.control) names.push_back(tag.name);
+  }
+  if (!names.empty()) return names;
+  return fail(survey.file.string() +
+              ": has no control tag: write `control: true` at the tags in `placed` that were "
+              "surveyed best, or name them with --control");
+}
+
+// All photos, read and compared with the survey.
+Result<std::vector<VerifiedFile>> verify_photos(const AdjustInput& input, int jobs) {
+  VerifyRequest request{input.survey};
+  request.rig = &input.setup.rig;
+  request.cameras = &input.setup.cameras;
+  const std::string revision = survey_revision(input.survey);
+  std::vector<VerifiedFile> files(input.photos.size());
+  std::string failure;
+  const auto verify = [&](std::size_t i) { return verify_file(request, input.photos[i]); };
+  const auto take = [&](std::size_t i, Result<VerifiedFile>& verified) {
+    if (verified) {
+      files[i] = std::move(*verified);
+      files[i].revision = revision;
+    } else if (failure.empty()) {
+      failure = verified.error().message;
+    }
+  };
+  run_below_bar("photos", files.size(), jobs, verify, take);
+  if (!failure.empty()) return fail(failure);
+  return files;
+}
+
+// How many files of what the lines say are photos, and how many of these of another survey.
+struct Told {
+  std::size_t photos = 0;
+  std::size_t others = 0;
+};
+
+Result<Told> read_lines(const AdjustInput& input,
+                        const std::function<void(const VerifiedFile&)>& take) {
+  const std::string revision = survey_revision(input.survey);
+  Told told;
+  for (const fs::path& path : input.lines) {
+    const Result<VerifyLineCounts> counts = read_verify_lines(path, [&](const VerifiedFile& file) {
+      if (!file.is_photo()) return;
+      ++told.photos;
+      if (file.revision != revision) ++told.others;
+      take(file);
+    });
+    if (!counts) return fail(counts.error().message);
+    if (counts->files == 0) {
+      return fail(path.string() + ": has no line of `verify --json`");
+    }
+    tell_broken_lines(path.string(), *counts);
+  }
+  if (told.photos > 0 && told.others == told.photos) {
+    return fail(fmt::format(
+        "{}: all {} photos were verified against another state of the survey {}: verify them again",
+        input.lines.front().string(), told.photos, input.survey.file.string()));
+  }
+  return told;
+}
+
+// Fails, before any photo is read, on what cannot be used or written.
+Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
+  if (!options.date.empty() && !parse_day(options.date)) {
+    return fail("--date " + options.date + ": expected a day as 2026-03-31");
+  }
+  if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
+    return fail("--drawing " + options.drawing +
+                ": expected a name that ends with .pdf, .svg or .png");
+  }
+  Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return fail(survey.error().message);
+  CommandFiles files;
+  Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
+  if (!hanging) return fail(hanging.error().message);
+  Result<std::vector<std::string>> control = control_tags(options, *survey);
+  if (!control) return fail(control.error().message);
+  AdjustInput input{std::move(*survey), std::move((*hanging)->setup), {}, {}, std::move(*control)};
+  std::vector<std::string> photos;
+  for (const std::string& file : options.files) {
+    if (holds_lines(file)) {
+      input.lines.emplace_back(file);
+    } else {
+      photos.push_back(file);
+    }
+  }
+  if (options.files.empty()) photos = (*hanging)->photos;
+  if (photos.empty() && input.lines.empty()) {
+    return fail("FILE is required: output of `verify --json`, photos, or --run");
+  }
+  const Result<FileList> list = list_files(photos, image_extensions(), std::cin);
+  if (!list) return fail(list.error().message);
+  input.photos = list->files;
+  files.reads(input.survey);
+  for (const fs::path& file : input.lines) files.reads(file, "the lines");
+  for (const fs::path& file : input.photos) files.reads(file, "a photo");
+  files.writes(options.output, "--output");
+  files.writes(options.diff, "--diff");
+  files.writes(options.drawing, "--drawing");
+  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  return input;
+}
+
+// Every sighting of a tag of the survey, by the photos and by the lines. What was left out is told
+// on standard error.
+Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs) {
+  const Result<std::vector<VerifiedFile>> photos = verify_photos(input, jobs);
+  if (!photos) return fail(photos.error().message);
+  std::vector<SightedTag> all;
+  std::vector<std::string> notes;
+  Told told;
+  const EachFile files = [&](const auto& take) -> Result<void> {
+    for (const VerifiedFile& file : *photos) take(file);
+    const Result<Told> read = read_lines(input, take);
+    if (!read) return fail(read.error().message);
+    told = *read;
+    return {};
+  };
+  const auto taken = for_each_sighted(input.survey, input.setup, files,
+                                      [&](const auto& tags, const std::string& note) {
+                                        all.insert(all.end(), tags.begin(), tags.end());
+                                        if (!note.empty()) notes.push_back(note);
+                                      });
+  if (!taken) return fail(taken.error().message);
+  if (told.others > 0) {
+    to_stderr("{}: {} photos were verified against another state of the survey and left out\n",
+              kAdjust, told.others);
+  }
+  constexpr std::size_t kMostNotes = 20;
+  for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) {
+    to_stderr("{}: {}\n", kAdjust, notes[i]);
+  }
+  return all;
+}
+
+// ---- How far the tags hang from their surveyed places, as a technical drawing.
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+Colour colour_of(const AsBuiltTag& tag) {
+  switch (tag.status) {
+    case AsBuiltStatus::control:
+      return colours::kGreen;
+    case AsBuiltStatus::adjusted:
+      return colours::kBlue;
+    default:
+      return colours::kRed;
+  }
+}
+
+Matrix2d plane_covariance(const AsBuiltTag& tag) { return tag.covariance.topLeftCorner<2, 2>(); }
+
+double magnification(const Survey& survey, const AsBuiltSurvey& found) {
+  std::vector<double> sizes;
+  for (const AsBuiltTag& tag : found.tags) {
+    if (!tag.has_place()) continue;
+    const double ellipse = kEllipse95 * std::sqrt(std::max(0.0, plane_covariance(tag).trace()));
+    sizes.push_back(std::max(tag.shift.head<2>().norm(), ellipse));
+  }
+  return magnification_for(survey.tunnel, std::move(sizes));
+}
+
+// On the tunnel's side of the wall: the tag's name is on the other.
+void add_height(SketchLayer& layer, const Vector2d& at, Side wall, const AsBuiltTag& tag) {
+  const bool is_above = wall == Side::left;  // the drive runs to the right
+  layer.add(Words{.text = fmt::format("{:+.1f}", std::round(1e4 * tag.shift.z()) / 10 + 0.0),
+                  .at = {at, {0, is_above ? -0.003 : 0.003}},
+                  .align = TextAlign::centre,
+                  .level = is_above ? TextLevel::top : TextLevel::baseline,
+                  .colour = colour_of(tag)});
+}
+
+void add_tag(Sketch& sketch, const PlanStrip& strip, const PlacedTag& surveyed,
+             const AsBuiltTag& tag, double factor) {
+  const Vector2d from = surveyed.world_from_plate.translation.head<2>();
+  const Vector2d at = strip.view_from_world * from;
+  if (!tag.has_place()) {
+    sketch.layer("undetermined").add(Dot{at, 0.002, colours::kRed});
+    sketch.layer("undetermined").add(Dot{at, 0.0014, colours::kWhite});
+    return;
+  }
+  const Matrix2d turn = strip.view_from_world.linear();
+  const Vector2d to = at + factor * (turn * tag.shift.head<2>());
+  Ellipse ellipse = ellipse95(to, turn * plane_covariance(tag) * turn.transpose(), factor);
+  ellipse.line.colour = colour_of(tag);
+  sketch.layer("ellipses").add(std::move(ellipse));
+  sketch.layer("moved").add(Arrow{at, to, {colour_of(tag), kNarrow, {}}, 0.0015});
+  add_height(sketch.layer("heights"), at, surveyed.side, tag);
+}
+
+DrawingView summary_view(const AsBuiltSurvey& found) {
+  const auto count = [&](AsBuiltStatus status) {
+    return std::ranges::count(found.tags, status, &AsBuiltTag::status);
+  };
+  const std::vector<std::string> lines{
+      fmt::format("{} tags adjusted (blue), {} control tags (green), {} contradicted (red), {} not "
+                  "determined (ring)",
+                  count(AsBuiltStatus::adjusted), count(AsBuiltStatus::control),
+                  count(AsBuiltStatus::contradicted), count(AsBuiltStatus::undetermined)),
+      fmt::format("{} pictures of tags from {} places, {} left out; residuals {:.2f} times what "
+                  "was stated",
+                  found.sightings, found.stations, found.left_out.size(), found.sigma_factor),
+      "numbers: how far the tag hangs above (+) or below (-) its surveyed place, mm"};
+  DrawingView view;
+  view.title = "As built";
+  view.new_row = true;
+  add_lines(view.sketch.layer("summary"), lines, 0, colours::kBlack, 0.0025, 0.006);
+  return view;
+}
+
+// The tunnel's plan with an arrow for each tag from where it was surveyed to where it hangs, its
+// 95 % ellipse, and how far it hangs above (+) or below (-), millimetres. Control tags are green:
+// their arrows are residuals. Tags without a place have a ring. Arrows and ellipses are magnified
+// by one round factor, which the drawing says; the plan itself is to scale.
+Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurvey& found,
+                                         Paper paper = Paper::a3) {
+  const double factor = magnification(survey, found);
+  std::vector<DrawingView> views;
+  for (const PlanStrip& strip : plan_strips(survey, paper)) {
+    DrawingView view = plan_view(survey, strip);
+    if (factor != 1) {
+      view.title += fmt::format("; arrows and 95 % ellipses magnified {:g} times", factor);
+    }
+    for (const AsBuiltTag& tag : found.tags) {
+      const PlacedTag* surveyed = find_tag(survey, std::string_view(tag.tag));
+      if (surveyed == nullptr || surveyed->chainage < strip.from || surveyed->chainage > strip.to) {
+        continue;
+      }
+      add_tag(view.sketch, strip, *surveyed, tag, factor);
+    }
+    view.new_row = true;
+    views.push_back(std::move(view));
+  }
+  views.push_back(summary_view(found));
+  return lay_out_sheets({survey.name, "as built", {}}, views, {paper, coarsest_plan_scale(survey)});
+}
+
+// ---- The command.
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;

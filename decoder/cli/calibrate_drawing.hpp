@@ -2,6 +2,7 @@
 // Pictures of a calibration: coverage, residuals, distortion.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "decoder/cli/calibrate_result.hpp"
@@ -18,5 +19,9 @@ std::vector<DrawingView> calibration_views(const BoardCalibration& result);
 
 // These and what was found in words, on one sheet. Fails as lay_out_sheets does.
 Result<std::vector<Sheet>> draw_calibration(const BoardCalibration& result);
+
+// ---- A calibration as one web page that needs nothing else.
+
+std::string calibration_page(const BoardCalibration& result);
 
 }  // namespace tagsmith::detail

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "decoder/calibrate/distortion_curve.hpp"
-#include "decoder/calibrate/ray_sigma.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "decoder/calibrate/assess.hpp"
 #include "decoder/calibrate/calibrate_camera.hpp"
-#include "decoder/calibrate/ray_sigma.hpp"
 #include "tagsmith/tag/board.hpp"
 
 namespace tagsmith::detail {

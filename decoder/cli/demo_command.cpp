@@ -116,19 +116,16 @@ struct Verified {
 
 Verified verify_files(const Demo& demo, const std::vector<fs::path>& files) {
   Verified verified;
-  ProgressBar bar("files", files.size());
-  run_in_order(files.size(), demo.jobs, [&](std::size_t i) -> Delivery {
-    auto report = std::make_shared<Result<VerifiedFile>>(verify_file({demo.survey}, files[i]));
-    return [&, report] {
-      bar.advance([] {});
-      if (*report) {
-        merge("", **report, verified.merged);
-        verified.files.push_back(std::move(**report));
-      } else {
-        verified.unreadable.push_back(report->error().message);
-      }
-    };
-  });
+  const auto verify = [&](std::size_t i) { return verify_file({demo.survey}, files[i]); };
+  const auto take = [&](std::size_t, Result<VerifiedFile>& report) {
+    if (report) {
+      merge("", *report, verified.merged);
+      verified.files.push_back(std::move(*report));
+    } else {
+      verified.unreadable.push_back(report.error().message);
+    }
+  };
+  run_below_bar("files", files.size(), demo.jobs, verify, take);
   finish(verified.merged);
   return verified;
 }

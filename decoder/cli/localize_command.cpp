@@ -34,6 +34,7 @@
 #include "decoder/paper/published.hpp"
 #include "decoder/plates/rig_suspicion.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
@@ -154,8 +155,8 @@ Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
 bool tell_lacking_pictures(const std::vector<Observation>& rows) {
   const auto lacking = std::ranges::count_if(rows, &Observation::lacks_picture);
   if (lacking == 0) return false;
-  to_stderr("{}: photos of {} row{} could not be read, see their notes\n", kLocalize, lacking,
-            lacking == 1 ? "" : "s");
+  to_stderr("{}: photos of {} could not be read, see their notes\n", kLocalize,
+            counted(static_cast<std::size_t>(lacking), "row"));
   return true;
 }
 
@@ -163,8 +164,7 @@ bool tell_lacking_pictures(const std::vector<Observation>& rows) {
 void tell(const RunCheck& checked) {
   for (const std::string& words : checked.mixed) to_stderr("{}: {}\n", kLocalize, words);
   for (const SetAside& tag : checked.aside) {
-    to_stderr("{}: set aside in {} row{}: {}\n", kLocalize, tag.rows.size(),
-              tag.rows.size() == 1 ? "" : "s", tag.message);
+    to_stderr("{}: set aside in {}: {}\n", kLocalize, counted(tag.rows.size(), "row"), tag.message);
   }
 }
 
@@ -274,8 +274,7 @@ void print_notes(const std::vector<Fix>& fixes) {
 }
 
 void print_summary(const FixSummary& summary, const PublishedErrors& published) {
-  to_stdout("{} measurement{}, {} located", summary.count, summary.count == 1 ? "" : "s",
-            summary.located);
+  to_stdout("{}, {} located", counted(summary.count, "measurement"), summary.located);
   if (summary.mean_error && summary.error95 && summary.max_error) {
     to_stdout(
         "; mean error {:.4f} m in the plane, {:.4f} m in z; 95 % {:.4f} m, {:.4f} m; greatest "

@@ -4,7 +4,6 @@
 #include <cstddef>
 
 #include "decoder/localize/repeated_pictures.hpp"
-#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
 
 namespace tagsmith::detail {
@@ -12,11 +11,10 @@ namespace tagsmith::detail {
 std::vector<Observation> observe_run(const Run& run, const std::vector<Survey>& surveys,
                                      const Rig& rig, const ReaderChoice& reader, int jobs) {
   std::vector<Observation> rows(run.measurements.size());
-  ProgressBar progress("measurements", rows.size());
-  run_in_order(rows.size(), jobs, [&](std::size_t i) -> Delivery {
-    rows[i] = observe(run.measurements[i], surveys, rig, reader);
-    return [&progress] { progress.advance([] {}); };
-  });
+  run_below_bar(
+      "measurements", rows.size(), jobs,
+      [&](std::size_t i) { return observe(run.measurements[i], surveys, rig, reader); },
+      [&](std::size_t i, Observation& seen) { rows[i] = std::move(seen); });
   leave_out_repeated(rows);
   return rows;
 }

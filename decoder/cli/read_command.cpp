@@ -14,8 +14,8 @@
 #include "decoder/image/load.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/reader/explain.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/survey_options.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
@@ -171,31 +171,28 @@ Tally read_all(const ReadCommandOptions& options, const std::vector<fs::path>& f
                const std::vector<fs::path>& explanations, const std::vector<Survey>& surveys,
                const ReadOptions& read) {
   Tally tally;
-  ProgressBar bar("images", files.size());
-  run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
+  const auto read_one = [&](std::size_t i) {
     std::optional<fs::path> explanation;
     if (!explanations.empty()) explanation = explanations[i];
-    auto readings = std::make_shared<Result<ImageReadings>>(
-        read_image(files[i], options.reader, read, explanation));
-    return [&, i, readings] {
-      bar.advance([&] {
-        if (!*readings) {
-          report_failure("read", readings->error());
-          tally.unreadable_file = true;
-          return;
-        }
-        tally.tags += tag_count((*readings)->result);
-        if (const std::string& warning = (*readings)->warning; !warning.empty()) {
-          to_stderr("tagsmith read: {}: {}\n", files[i].string(), damaged_in_words(warning));
-        }
-        if (options.json) {
-          to_stdout("{}\n", to_json_line(**readings, surveys));
-        } else {
-          print_in_words(**readings, surveys);
-        }
-      });
-    };
-  });
+    return read_image(files[i], options.reader, read, explanation);
+  };
+  const auto print = [&](std::size_t i, const Result<ImageReadings>& readings) {
+    if (!readings) {
+      report_failure("read", readings.error());
+      tally.unreadable_file = true;
+      return;
+    }
+    tally.tags += tag_count(readings->result);
+    if (!readings->warning.empty()) {
+      to_stderr("tagsmith read: {}: {}\n", files[i].string(), damaged_in_words(readings->warning));
+    }
+    if (options.json) {
+      to_stdout("{}\n", to_json_line(*readings, surveys));
+    } else {
+      print_in_words(*readings, surveys);
+    }
+  };
+  run_below_bar("images", files.size(), options.jobs, read_one, print);
   return tally;
 }
 

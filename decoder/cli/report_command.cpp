@@ -14,6 +14,7 @@
 #include "decoder/cli/verify_hanging.hpp"
 #include "decoder/verify/verify_json.hpp"
 #include "decoder/verify/verify_merge.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
@@ -48,9 +49,8 @@ struct ReportOptions {
 void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   constexpr std::size_t kMostStretches = 40;
   constexpr std::size_t kMostNotes = 20;
-  to_stdout("{} file{}, {} of {} tags seen, {} fault{}\n", merged.files,
-            merged.files == 1 ? "" : "s", covered.seen, covered.tags, merged.fault_count,
-            merged.fault_count == 1 ? "" : "s");
+  to_stdout("{}, {} of {} tags seen, {}\n", counted(merged.files, "file"), covered.seen,
+            covered.tags, counted(merged.fault_count, "fault"));
   for (const std::string& line : completeness_words(covered, kMostStretches)) {
     to_stdout("{}\n", line);
   }

@@ -1,25 +1,75 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of verified files as a document.
 #include <algorithm>
 #include <array>
 #include <iterator>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "decoder/cli/report_files.hpp"
-#include "decoder/cli/report_map.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/verify/verify_merge.hpp"
 #include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 #include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
+
+// ---- The tunnel from above with a mark on every tag, coloured and shaped by its status.
+
 namespace {
+
+// Of the statuses of status_of.
+Colour status_colour(const std::string& status) {
+  if (status == "ok") return colours::kGreen;
+  if (status == "poor") return colours::kOrange;
+  return status == "faulty" ? colours::kRed : colours::kGrey;
+}
+
+// Adds the mark of that status: a disc, a diamond for `faulty`, a ring for `unseen`.
+void add_status_mark(SketchLayer& layer, const SketchPoint& at, const std::string& status) {
+  constexpr double kRadius = 0.002;
+  const Colour colour = status_colour(status);
+  if (status != "faulty") {
+    layer.add(Dot{at, kRadius, colour});
+    if (status == "unseen") layer.add(Dot{at, 0.6 * kRadius, colours::kWhite});
+    return;
+  }
+  constexpr double kReach = 1.3 * kRadius;
+  Area diamond{{}, colour};
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(kReach, 0), Eigen::Vector2d(0, kReach),
+                                        Eigen::Vector2d(-kReach, 0), Eigen::Vector2d(0, -kReach)}) {
+    diamond.points.emplace_back(at.model, at.paper + corner);
+  }
+  layer.add(std::move(diamond));
+}
+
+// A view for each strip of the tunnel; marks in the layer `status`.
+std::vector<DrawingView> report_map(const Survey& survey, const VerifyMerge& merged) {
+  std::vector<DrawingView> views;
+  for (const PlanStrip& strip : plan_strips(survey)) {
+    DrawingView view = plan_view(survey, strip);
+    view.new_row = true;
+    SketchLayer& layer = view.sketch.layer("status");
+    for (const PlacedTag& tag : survey.tags) {
+      if (tag.chainage < strip.from || tag.chainage > strip.to) continue;
+      const Eigen::Vector2d at =
+          strip.view_from_world * Eigen::Vector2d(tag.world_from_plate.translation.head<2>());
+      add_status_mark(layer, at, status_of(record_of(merged, tag.name)));
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+// ---- The drawing.
+// The report of verified files as a document.
 
 constexpr std::size_t kMostShownFaults = 400;
 constexpr std::size_t kMostStretches = 12;
@@ -49,9 +99,8 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     y -= 0.0055;
   }
   std::vector<std::string> lines = completeness_words(covered, kMostStretches);
-  lines.insert(lines.begin(), fmt::format("{} file{} verified, {} fault{} found", merged.files,
-                                          merged.files == 1 ? "" : "s", merged.fault_count,
-                                          merged.fault_count == 1 ? "" : "s"));
+  lines.insert(lines.begin(), fmt::format("{} verified, {} found", counted(merged.files, "file"),
+                                          counted(merged.fault_count, "fault")));
   if (merged.other_revisions > 0) {
     lines.push_back(fmt::format("{} files were verified against another state of the survey",
                                 merged.other_revisions));

@@ -2,6 +2,7 @@
 #include "decoder/cli/report_files.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -13,15 +14,384 @@
 #include "decoder/image/transform.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
+#include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/web_page.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/render/tunnel_plan.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
+
+// ---- The report of verified files as one web page.
+
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr const char* kScript = R"js(
+'use strict';
+const field = document.getElementById('filter');
+const rows = [...document.querySelectorAll('[data-row]')];
+const buttons = [...document.querySelectorAll('[data-status]')];
+let status = '';
+function filter() {
+  const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+  const shown = {tag: 0, fault: 0};
+  for (const row of rows) {
+    const text = (row.textContent + ' ' + (row.dataset.of || '')).toLowerCase();
+    const kept = status === '' || row.dataset.of === status;
+    row.hidden = !kept || !words.every(word => text.includes(word));
+    shown[row.dataset.row] += row.hidden ? 0 : 1;
+  }
+  const count = (n, word) => n + ' ' + word + (n === 1 ? '' : 's');
+  document.getElementById('shown').textContent =
+    count(shown.fault, 'fault') + ' and ' + count(shown.tag, 'tag') + ' shown';
+}
+function choose(wanted) {
+  status = status === wanted ? '' : wanted;
+  for (const button of buttons) {
+    button.setAttribute('aria-pressed', String(button.dataset.status === status));
+  }
+  filter();
+}
+for (const button of buttons) {
+  button.addEventListener('click', () => choose(button.dataset.status));
+}
+for (const tag of document.querySelectorAll('.tag')) {
+  const show = () => {
+    if (status !== '') choose(status);
+    field.value = tag.dataset.tag;
+    filter();
+    document.getElementById('shown').scrollIntoView({block: 'nearest'});
+  };
+  tag.addEventListener('click', show);
+  tag.addEventListener('keydown', event => {
+    if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); show(); }
+  });
+}
+for (const crop of document.querySelectorAll('.crop')) {
+  crop.addEventListener('click', () => {
+    const large = crop.getAttribute('aria-expanded') !== 'true';
+    crop.setAttribute('aria-expanded', String(large));
+    crop.closest('.card').classList.toggle('wide', large);
+  });
+}
+field.addEventListener('input', filter);
+window.addEventListener('beforeprint', () => {
+  for (const details of document.querySelectorAll('details')) details.open = true;
+});
+document.addEventListener('keydown', event => {
+  if (event.key === '/' && document.activeElement !== field) { event.preventDefault(); field.focus(); }
+  if (event.key === 'Escape') { field.value = ''; if (status !== '') choose(status); else filter(); }
+});
+filter();
+)js";
+
+constexpr double kMapWidth = 1000;  // of a strip, units of its picture
+
+// A disc; faulty tags are diamonds and unseen ones rings, for who does not see the colours.
+std::string shape_of(const std::string& status, const Vector2d& at) {
+  if (status != "faulty") {
+    return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"6\"/>", at.x(), at.y());
+  }
+  return fmt::format("<path d=\"M{:.1f} {:.1f}l8 8l-8 8l-8-8Z\"/>", at.x(), at.y() - 8);
+}
+
+// A strip of the tunnel in a picture's units, y down.
+class StripPicture {
+ public:
+  StripPicture(const Survey& survey, const PlanStrip& strip) : survey_(survey), strip_(strip) {
+    for (const Side side : {Side::left, Side::right}) {
+      for (const Vector2d& point : line(wall_of(survey.tunnel, side))) box_.extend(point);
+    }
+    for (const PlacedTag* tag : tags()) box_.extend(place(*tag));
+    scale_ = (kMapWidth - 2 * kMargin) / std::max(box_.sizes().x(), 1e-6);
+    // A strip that is mostly across would be far too high.
+    scale_ = std::min(scale_, kMapWidth / std::max(box_.sizes().y(), 1e-6));
+  }
+
+  std::string svg(const VerifyMerge& merged) const {
+    const double height = scale_ * box_.sizes().y() + 2 * kMargin + 14;
+    std::string text = fmt::format(
+        "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"group\" aria-label=\"Tunnel from {:.1f} to "
+        "{:.1f} m\">\n",
+        kMapWidth, height, strip_.from, strip_.to);
+    for (const Side side : {Side::left, Side::right}) {
+      text += "<path class=\"wall\" d=\"" + path(line(wall_of(survey_.tunnel, side))) + "\"/>\n";
+    }
+    text += "<path class=\"axis\" d=\"" + path(line(0)) + "\"/>\n";
+    for (const double tick : plan_ticks(strip_)) {
+      const Vector2d at = on_picture(view(survey_.tunnel.centerline.at(tick).position));
+      const bool at_end = at.x() > kMapWidth - 2 * kMargin;
+      text += fmt::format(
+          "<path class=\"tick\" d=\"M{0:.1f} {1:.1f}v8\"/><text x=\"{2:.1f}\" y=\"{3:.1f}\"{4}>{5} "
+          "m</text>\n",
+          at.x(), at.y() - 4, at.x() + (at_end ? -3 : 3), at.y() - 3,
+          at_end ? " text-anchor=\"end\"" : "", format_number(tick, 2));
+    }
+    const bool names = are_names_apart();
+    for (const PlacedTag* tag : tags()) text += mark(*tag, merged, names);
+    return text + "</svg>\n";
+  }
+
+ private:
+  static constexpr double kMargin = 22;
+
+  Vector2d view(const Eigen::Vector3d& in_world) const {
+    return strip_.view_from_world * Vector2d(in_world.head<2>());
+  }
+  Vector2d place(const PlacedTag& tag) const { return view(tag.world_from_plate.translation); }
+  Vector2d on_picture(const Vector2d& at) const {
+    return {kMargin + scale_ * (at.x() - box_.min().x()),
+            kMargin + scale_ * (box_.max().y() - at.y())};
+  }
+
+  std::vector<const PlacedTag*> tags() const {
+    std::vector<const PlacedTag*> here;
+    for (const PlacedTag& tag : survey_.tags) {
+      if (tag.chainage >= strip_.from && tag.chainage <= strip_.to) here.push_back(&tag);
+    }
+    return here;
+  }
+
+  // A line beside the center line, `right` metres to its right.
+  std::vector<Vector2d> line(const ChainageProfile& right) const {
+    constexpr int kMost = 400;
+    const int spans = std::clamp(static_cast<int>((strip_.to - strip_.from) / 0.5), 1, kMost);
+    std::vector<Vector2d> points;
+    for (int i = 0; i <= spans; ++i) {
+      const double chainage = strip_.from + (strip_.to - strip_.from) * i / spans;
+      const CenterlinePoint at = survey_.tunnel.centerline.at(chainage);
+      points.push_back(view(at.position + right.at(chainage) * right_of(at.heading)));
+    }
+    return points;
+  }
+
+  std::string path(const std::vector<Vector2d>& points) const {
+    std::string text;
+    for (const Vector2d& point : points) {
+      const Vector2d at = on_picture(point);
+      text += fmt::format("{}{:.1f} {:.1f}", text.empty() ? "M" : "L", at.x(), at.y());
+    }
+    return text;
+  }
+
+  bool are_names_apart() const {
+    constexpr double kRoom = 34;
+    const auto count = static_cast<double>(tags().size());
+    return count * kRoom / 2 <= kMapWidth;
+  }
+
+  std::string mark(const PlacedTag& tag, const VerifyMerge& merged, bool names) const {
+    const std::string status = status_of(record_of(merged, tag.name));
+    const std::string name = markup_text(tag.name);
+    const Vector2d at = on_picture(place(tag));
+    std::string text = fmt::format(
+        "<g class=\"tag {0}\" data-tag=\"{1}\" tabindex=\"0\" role=\"button\" aria-label=\"{1}, "
+        "{0}\"><title>{1}: {0}</title>{2}",
+        status, name, shape_of(status, at));
+    if (names) {
+      // Outside of the tunnel as it is drawn.
+      const CenterlinePoint middle = survey_.tunnel.centerline.at(tag.chainage);
+      const bool above = at.y() < on_picture(view(middle.position)).y();
+      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
+                          at.x(), at.y() + (above ? -10 : 19), name);
+    }
+    return text + "</g>\n";
+  }
+
+  const Survey& survey_;
+  const PlanStrip& strip_;
+  Eigen::AlignedBox2d box_;
+  double scale_ = 1;
+};
+
+std::string map_of(const Survey& survey, const VerifyMerge& merged) {
+  std::string text;
+  for (const PlanStrip& strip : plan_strips(survey)) {
+    text += "<div class=\"map\">" + StripPicture(survey, strip).svg(merged) + "</div>\n";
+  }
+  return text;
+}
+
+std::string grade_text(const std::optional<double>& grade) {
+  return grade ? fmt::format("{:.1f}", *grade) : "-";
+}
+
+std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
+  std::string rows;
+  for (const PlacedTag& tag : survey.tags) {
+    const TagRecord record = record_of(merged, tag.name);
+    const std::string status = status_of(record);
+    rows += fmt::format(
+        "<tr data-row=\"tag\" data-of=\"{1}\"><td>{0}</td><td class=\"{1}\">{1}</td>"
+        "<td class=\"more\">{2:.2f}</td><td>{3}</td><td>{4}</td><td>{5}</td><td>{6}</td>"
+        "<td class=\"more\">{7}</td><td class=\"more\">{8}</td></tr>\n",
+        markup_text(tag.name), status, tag.chainage, record.seen, record.faults,
+        grade_text(record.best), grade_text(record.worst), markup_text(record.blame),
+        upright_of(record));
+  }
+  return rows;
+}
+
+// Where the tags hang, as one sees them who faces the wall; empty where none was judged.
+std::string hanging_table(const VerifyMerge& merged) {
+  if (merged.hung.empty()) return {};
+  std::string rows;
+  for (const auto& [name, tag] : merged.hung) {
+    const char* verdict = tag.verdict == HangVerdict::fits  ? "ok"
+                          : tag.verdict == HangVerdict::off ? "faulty"
+                                                            : "poor";
+    rows += fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td>", markup_text(name), verdict,
+                        tag.verdict == HangVerdict::fits  ? "fits"
+                        : tag.verdict == HangVerdict::off ? markup_text(tag.rule)
+                                                          : "in doubt");
+    const bool is_measured = !tag.offset.sigma.isZero();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      rows += is_measured ? fmt::format("<td>{:+.1f} &plusmn; {:.1f}</td>",
+                                        1e3 * tag.offset.value[i], 1e3 * tag.offset.sigma[i])
+                          : "<td>-</td>";
+    }
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      rows += is_measured ? fmt::format("<td class=\"more\">{:+.2f} &plusmn; {:.2f}</td>",
+                                        degrees(tag.turn.value[i]), degrees(tag.turn.sigma[i]))
+                          : "<td class=\"more\">-</td>";
+    }
+    rows += fmt::format("<td>{}</td></tr>\n", tag.stations);
+  }
+  return "<h2>Where the tags hang</h2>\n<p class=\"sub\">Against the survey, as one sees them who "
+         "faces the wall, with standard deviations; seen: places of the cameras that show the tag "
+         "together with another.</p>\n" +
+         page_table(
+             "<th>tag</th><th>verdict</th><th>right, mm</th><th>up, mm</th><th>out, mm</th>"
+             "<th class=\"more\">clockwise, &deg;</th>"
+             "<th class=\"more\">right edge out, &deg;</th>"
+             "<th class=\"more\">top out, &deg;</th><th>seen</th>",
+             rows);
+}
+
+std::string fault_card(const FaultRecord& fault) {
+  const Rule* rule = find_verify_rule(fault.rule);
+  const std::string heading = markup_text((fault.tag.empty() ? "" : fault.tag + ": ") +
+                                          (fault.rule.empty() ? std::string("fault") : fault.rule) +
+                                          (fault.is_question ? "?" : ""));
+  std::string card =
+      "<article class=\"card\" data-row=\"fault\" data-of=\"faulty\"><h3>" + heading + "</h3>";
+  if (!fault.picture.jpeg.empty()) {
+    card += "<button class=\"crop\" aria-expanded=\"false\" aria-label=\"Enlarge the picture of " +
+            heading + "\"><img alt=\"\" src=\"data:image/jpeg;base64," +
+            base64(fault.picture.jpeg) + "\"></button>";
+  }
+  if (!fault.no_picture.empty()) {
+    card += "<p class=\"sub\">No picture: " + markup_text(fault.no_picture) + ".</p>";
+  }
+  card += "<p>" + markup_text(fault.message) + "</p>";
+  if (rule != nullptr) card += "<p>" + markup_text(std::string(rule->remedy)) + "</p>";
+  return card + "<p class=\"sub\">" + markup_text(fault.file) + "</p></article>\n";
+}
+
+std::string fault_cards(const VerifyMerge& merged) {
+  if (merged.faults.empty()) return "<p>None.</p>\n";
+  std::string cards = "<div class=\"cards\">\n";
+  for (const FaultRecord& fault : faults_by_plate(merged)) cards += fault_card(fault);
+  cards += "</div>\n";
+  if (merged.fault_count > merged.faults.size()) {
+    cards += fmt::format("<p>The first {} of {} faults are listed.</p>\n", merged.faults.size(),
+                         merged.fault_count);
+  }
+  return cards;
+}
+
+std::string count_buttons(const Completeness& covered) {
+  struct Count {
+    const char* status;
+    std::size_t count;
+  };
+  const std::array<Count, 4> counts{{{"ok", covered.ok},
+                                     {"poor", covered.poor},
+                                     {"faulty", covered.faulty},
+                                     {"unseen", covered.tags - covered.seen}}};
+  std::string text = "<div class=\"counts\" role=\"group\" aria-label=\"Tags by status\">\n";
+  for (const Count& count : counts) {
+    text += fmt::format(
+        "<button class=\"{0}\" data-status=\"{0}\" aria-pressed=\"false\"><b>{1}</b>{0}</button>\n",
+        count.status, count.count);
+  }
+  return text + "</div>\n";
+}
+
+std::string cover_bar(const char* wall, std::size_t seen, std::size_t tags) {
+  return fmt::format(
+      "<span>{0}</span><progress value=\"{1}\" max=\"{2}\" aria-label=\"{0}\"></progress>"
+      "<span>{1} of {2}</span>\n",
+      wall, seen, std::max<std::size_t>(tags, 1));
+}
+
+std::string completeness_text(const Completeness& covered, const VerifyMerge& merged) {
+  constexpr std::size_t kMostNotes = 20;
+  std::string text =
+      fmt::format("<p>{} of {} tags were seen ({:.0f} %).</p>\n<div class=\"cover\">", covered.seen,
+                  covered.tags, 100 * covered.share());
+  text +=
+      cover_bar("left wall", covered.left_seen, covered.left_tags) +
+      cover_bar("right wall", covered.seen - covered.left_seen, covered.tags - covered.left_tags) +
+      "</div>\n";
+  for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostNotes)) {
+    text += "<p class=\"known\">" + markup_text(line) + "</p>\n";
+  }
+  if (covered.unseen.empty()) return text;
+  constexpr std::size_t kMostOpen = 8;
+  text += fmt::format("<details{}><summary>Not seen, {}</summary>\n<ul>\n",
+                      covered.unseen.size() <= kMostOpen ? " open" : "",
+                      counted(covered.unseen.size(), "place"));
+  for (const UnseenStretch& stretch : covered.unseen) {
+    text += "<li>" + markup_text(describe(stretch)) + "</li>\n";
+  }
+  return text + "</ul></details>\n";
+}
+
+std::string heading(const Survey& survey, const VerifyMerge& merged) {
+  std::string text =
+      "<h1>Verification of " + markup_text(survey.name) + "</h1>\n" +
+      fmt::format("<p class=\"sub\">{}, {}; survey revision {}", counted(merged.files, "file"),
+                  counted(merged.fault_count, "fault"), survey_revision(survey));
+  if (merged.other_revisions > 0) {
+    text += fmt::format("; {} files were verified against another state of the survey",
+                        merged.other_revisions);
+  }
+  return text + "</p>\n";
+}
+
+}  // namespace
+
+std::string report_page(const Survey& survey, const VerifyMerge& merged) {
+  const Completeness covered = completeness_of(survey, merged);
+  return page_head("Verification of " + markup_text(survey.name), report_style(), true) +
+         heading(survey, merged) + count_buttons(covered) + "<h2>Completeness</h2>\n" +
+         completeness_text(covered, merged) + "<h2>Tunnel from above</h2>\n" +
+         map_of(survey, merged) +
+         "<div class=\"screen\"><label for=\"filter\">Show what has these words</label>\n"
+         "<input id=\"filter\" type=\"search\" placeholder=\"unseen, 003L, glare\" "
+         "autocomplete=\"off\">\n<p id=\"shown\" class=\"sub\" role=\"status\"></p></div>\n"
+         "<h2>Faults</h2>\n" +
+         fault_cards(merged) + "<h2>Tags</h2>\n" +
+         page_table(
+             "<th>tag</th><th>status</th><th class=\"more\">chainage, m</th><th>seen</th>"
+             "<th>faults</th><th>best</th><th>worst</th><th class=\"more\">blame</th>"
+             "<th class=\"more\">upright</th>",
+             tag_rows(survey, merged)) +
+         hanging_table(merged) + "<script>" + kScript + "</script>\n</body>\n</html>\n";
+}
+
+// ---- The files.
+
 namespace {
 
 namespace fs = std::filesystem;

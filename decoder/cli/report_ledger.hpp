@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "decoder/ledger/ledger.hpp"
-#include "decoder/ledger/ledger_report.hpp"
+#include "decoder/ledger/plate_history.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/survey/survey.hpp"

@@ -13,6 +13,7 @@
 
 #include "decoder/cli/magnified.hpp"
 #include "decoder/paper/published.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
 namespace tagsmith::detail {
@@ -219,11 +220,11 @@ std::string error_words(const char* name, const std::optional<FixError>& error) 
 DrawingView summary_view(const Survey& survey, const Run& run, const std::vector<Fix>& fixes) {
   const FixSummary summary = summarize(fixes, run.measurements);
   const PublishedErrors& published = published_errors_for(survey.tunnel.centerline);
-  std::vector<std::string> lines{fmt::format("{} measurement{}, {} located", summary.count,
-                                             summary.count == 1 ? "" : "s", summary.located),
-                                 error_words("mean error", summary.mean_error),
-                                 error_words("95 % of the errors", summary.error95),
-                                 error_words("greatest error", summary.max_error)};
+  std::vector<std::string> lines{
+      fmt::format("{}, {} located", counted(summary.count, "measurement"), summary.located),
+      error_words("mean error", summary.mean_error),
+      error_words("95 % of the errors", summary.error95),
+      error_words("greatest error", summary.max_error)};
   if (summary.mean_error) {
     lines.push_back(fmt::format("Xu et al. 2017, {}: mean {:.0f} mm in the plane, {:.0f} mm in z",
                                 published.experiment, 1000 * published.mean_plane,

@@ -6,8 +6,8 @@
 
 #include "decoder/localize/fix.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
-#include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
@@ -9,8 +11,10 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,26 +24,100 @@
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/report_files.hpp"
 #include "decoder/cli/report_ledger.hpp"
-#include "decoder/cli/verify_annotate.hpp"
 #include "decoder/cli/verify_hanging.hpp"
+#include "decoder/image/annotate.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/verify/crop_tags.hpp"
+#include "decoder/verify/rasterize.hpp"
+#include "decoder/verify/verified_file.hpp"
 #include "decoder/verify/verify_file.hpp"
 #include "decoder/verify/verify_json.hpp"
 #include "decoder/verify/verify_merge.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Copies of verified photos that show what was found where.
+
 namespace {
+
+constexpr double kPoor = 1.5;  // grades below it are poor
+
+std::array<std::uint8_t, 3> colour_of(const VerifiedTag& tag) {
+  if (tag.status == TagStatus::cut_off) return {96, 104, 112};
+  if (tag.status != TagStatus::ok) return {190, 20, 20};
+  return tag.grade && tag.grade->grade < kPoor ? std::array<std::uint8_t, 3>{190, 100, 0}
+                                               : std::array<std::uint8_t, 3>{10, 120, 50};
+}
+
+// The text in lines of about `most` characters, broken at blanks.
+std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
+  std::vector<std::string> lines(1);
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > most) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+    at = end + 1;
+  }
+  return lines;
+}
+
+std::vector<std::string> words_of(const VerifiedTag& tag) {
+  constexpr std::size_t kLine = 46;
+  constexpr std::size_t kMostLines = 4;
+  std::string first = tag.tag.empty() ? std::string() : tag.tag + "  ";
+  first += to_string(tag.status);
+  if (tag.grade) first += "  grade " + to_string(*tag.grade);
+  if (!tag.rule.empty()) first += "  " + tag.rule;
+  std::vector<std::string> lines{first};
+  if (tag.message.empty()) return lines;
+  std::vector<std::string> more = wrapped(tag.message, kLine);
+  if (more.size() > kMostLines) {
+    more.resize(kMostLines);
+    more.back() += " ...";
+  }
+  lines.insert(lines.end(), more.begin(), more.end());
+  return lines;
+}
+
+// NAME-HASH.jpg (of lossless pictures .png) in the folder, HASH being of the whole path: photos of
+// several folders often have one name. Each tag is outlined in the colour of its status, with its
+// name, status, grade and what is wrong. Print files (PDF, SVG) have no copy. Fails when the
+// picture cannot be decoded.
+Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& folder,
+                                                const InputFile& file,
+                                                const VerifiedFile& verified) {
+  if (is_pdf(file.bytes) || is_svg(file.path)) return std::nullopt;
+  std::vector<PictureMark> marks;
+  for (const VerifiedTag& tag : verified.tags) {
+    marks.push_back({tag.corners, colour_of(tag), words_of(tag)});
+  }
+  std::vector<std::string> caption{file.path.filename().string()};
+  if (verified.tags.empty()) {
+    caption.insert(caption.end(), verified.findings.begin(), verified.findings.end());
+  }
+  const Result<AnnotatedPicture> copy =
+      annotate_picture(file.path.string(), file.bytes, marks, caption);
+  if (!copy) return fail(copy.error().message);
+  const std::string hash = sha256(file.path.string()).substr(0, 8);
+  return SheetFile{
+      folder / fmt::format("{}-{}{}", file.path.stem().string(), hash, copy->extension),
+      copy->bytes};
+}
+
+// ---- The command.
 
 namespace fs = std::filesystem;
 
@@ -381,13 +459,10 @@ Result<VerifyOutcome> verify_all(const Job& job, const std::vector<fs::path>& fi
   if (auto read = read_resumed(options, job.revision, remember, true); !read) {
     return fail(read.error().message);
   }
-  {
-    ProgressBar bar("files", files.size());
-    run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
-      auto one = std::make_shared<VerifiedOne>(verify_one(options, job.request, before, files[i]));
-      return [&, one] { bar.advance([&] { deliver(job, *one, outcome); }); };
-    });
-  }
+  run_below_bar(
+      "files", files.size(), options.jobs,
+      [&](std::size_t i) { return verify_one(options, job.request, before, files[i]); },
+      [&](std::size_t, VerifiedOne& one) { deliver(job, one, outcome); });
   for (const auto& step : {judge_waiting, add_skipped}) {
     if (auto done = step(job, outcome); !done) return fail(done.error().message);
   }

@@ -2,7 +2,6 @@
 #include "decoder/cli/verify_hanging.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 
 #include <fmt/format.h>

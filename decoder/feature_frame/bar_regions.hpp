@@ -2,7 +2,6 @@
 // Regions of parallel bars, framed or not, found by their texture alone.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,6 +11,18 @@
 #include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Which way bars run inside a quadrilateral.
+
+// How much the grey level changes along the sides 0 and 2 (`along`) and along the sides 1 and 3
+// (`across`), averaged over the other direction so that only what runs through counts: mean
+// absolute step between neighbouring places, grey levels.
+struct BarSteps {
+  double along = 0;
+  double across = 0;
+};
+
+BarSteps bar_steps(const GrayView& image, const Quad& quad);
 
 // ---- Where in an image there may be bars: a look at every tile that costs less than reading it
 // once.

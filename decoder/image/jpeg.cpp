@@ -4,7 +4,6 @@
 #include <array>
 #include <csetjmp>
 #include <cstddef>
-#include <cstdio>  // jpeglib.h needs it
 #include <jpeglib.h>
 
 namespace tagsmith::detail {

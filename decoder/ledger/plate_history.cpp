@@ -2,17 +2,100 @@
 #include "decoder/ledger/plate_history.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/statistics.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Trends.
+
+namespace {
+
+// Student's t that is exceeded with a probability of 0.1, so that 0.8 lie within it on both sides.
+// Beyond the table by Cornish and Fisher's expansion (Abramowitz and Stegun 26.7.5).
+double student_t(std::size_t degrees_of_freedom) {
+  constexpr std::array kTable{3.0777, 1.8856, 1.6377, 1.5332, 1.4759,
+                              1.4398, 1.4149, 1.3968, 1.3830, 1.3722};
+  if (degrees_of_freedom <= kTable.size()) return kTable[degrees_of_freedom - 1];
+  constexpr double kNormal = 1.28155;
+  const auto n = static_cast<double>(degrees_of_freedom);
+  const double cube = kNormal * kNormal * kNormal;
+  return kNormal + (cube + kNormal) / (4 * n) +
+         (5 * cube * kNormal * kNormal + 16 * cube + 3 * kNormal) / (96 * n * n);
+}
+
+// Where a x^2 + b x + c is 0, the lesser one first; infinite where there is no such place.
+std::pair<double, double> roots(double a, double b, double c) {
+  const double inside = b * b - 4 * a * c;
+  if (!(inside >= 0) || a == 0) return {-INFINITY, INFINITY};
+  const double q = -(b + std::copysign(std::sqrt(inside), b)) / 2;
+  const double other = q == 0 ? 0 : c / q;
+  return std::minmax({q / a, other});
+}
+
+}  // namespace
+
+std::optional<Trend> fit_trend(const std::vector<TrendPoint>& points) {
+  if (points.size() < kLeastTrendDays) return std::nullopt;
+  Trend trend{points.size(), points.front().day, points.back().day};
+  const auto count = static_cast<double>(points.size());
+  for (const TrendPoint& point : points) {
+    trend.middle += point.day / count;
+    trend.level += point.value / count;
+  }
+  double product = 0;
+  for (const TrendPoint& point : points) {
+    trend.spread += (point.day - trend.middle) * (point.day - trend.middle);
+    product += (point.day - trend.middle) * (point.value - trend.level);
+  }
+  if (!(trend.spread > 0)) return std::nullopt;
+  trend.slope = product / trend.spread;
+  double squares = 0;
+  for (const TrendPoint& point : points) squares += std::pow(point.value - trend.at(point.day), 2);
+  trend.scatter = std::sqrt(squares / (count - 2));
+  return trend;
+}
+
+Crossing crossing_of(const Trend& trend, double limit) {
+  // From the middle on, the line's confidence band is above and edge(x) below it by
+  // k sqrt(1 / n + x^2 / spread); the band's edges are at the limit where the square of the line's
+  // height is that of the half width.
+  const double k = student_t(trend.days - 2) * trend.scatter;
+  const double height = trend.level - limit;
+  const double a = trend.slope * trend.slope - k * k / trend.spread;
+  const double c = height * height - k * k / static_cast<double>(trend.days);
+  const auto [lesser, greater] = roots(a, 2 * trend.slope * height, c);
+  const bool surely_falls = a > 0 && trend.slope < 0;
+  const bool surely_above = c > 0;  // in the middle
+  Crossing crossing;
+  const auto set = [&](std::optional<double>& day, double from_middle) {
+    if (std::isfinite(from_middle)) day = std::max(trend.last, trend.middle + from_middle);
+  };
+  if (trend.slope < 0) set(crossing.expected, -height / trend.slope);
+  if (surely_falls) set(crossing.latest, greater);
+  if (!surely_above) {
+    crossing.earliest = trend.last;
+  } else if (surely_falls) {
+    set(crossing.earliest, lesser);
+  } else if (a < 0) {
+    set(crossing.earliest, greater);
+  }
+  return crossing;
+}
+
+// ---- One plate.
+
 namespace {
 
 // What repairs the plate that this rule was reported of; nothing where the photo is at fault.
@@ -313,6 +396,147 @@ PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day 
     state.action = PlateAction::unseen;
   }
   return state;
+}
+
+// ---- All plates.
+
+namespace {
+
+using Histories = std::map<std::string, PlateHistory>;
+
+Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day last) {
+  Histories histories;
+  const auto take = [&](const PlateSighting& seen) {
+    const PlacedTag* tag = find_tag(survey, std::string_view(seen.tag));
+    if (tag == nullptr) return;
+    // Of a tag that the survey moved since, the plate with the earlier digits is another one.
+    const bool is_other =
+        !seen.digits.empty() && !seen.finding.is_fault() && seen.digits != to_string(tag->digits);
+    if (!is_other) add(seen, last, histories[seen.tag]);
+  };
+  if (auto read = ledger.for_each_sighting(survey.name, take); !read) {
+    return tl::unexpected(read.error());
+  }
+  return histories;
+}
+
+bool is_seen(const Histories& histories, const std::string& tag, Day day) {
+  const auto history = histories.find(tag);
+  if (history == histories.end()) return false;
+  const auto of_day = history->second.days.find(day);
+  return of_day != history->second.days.end() && of_day->second.in_order;
+}
+
+// The nearest tags on either side of this one on its wall that photos with a date show.
+std::vector<std::string> neighbours_of(const Histories& histories,
+                                       const std::vector<const PlacedTag*>& wall, std::size_t i) {
+  std::vector<std::string> names;
+  const auto take = [&](std::size_t k) {
+    const auto history = histories.find(wall[k]->name);
+    const bool has_days = history != histories.end() && !history->second.days.empty();
+    if (has_days) names.push_back(wall[k]->name);
+    return has_days;
+  };
+  for (std::size_t k = i; k > 0 && !take(k - 1);) --k;
+  for (std::size_t k = i + 1; k < wall.size() && !take(k);) ++k;
+  return names;
+}
+
+// A plate that fell down, or that is covered, is in no photo: the days tell on which the plates on
+// both sides were seen, and it was not. Beyond the last plate that was seen nobody may have driven.
+void find_lost(const Histories& histories, const std::vector<std::string>& neighbours,
+               PlateState& state) {
+  constexpr std::size_t kEnough = 2;  // days; on a single one somebody may have stood before it
+  if (neighbours.size() < 2 || state.action <= PlateAction::look) return;
+  const auto first = histories.find(neighbours.front());
+  if (first == histories.end()) return;
+  std::size_t missed = 0;
+  for (const auto& [day, seen] : first->second.days) {
+    const auto shows = [&, at = day](const std::string& tag) {
+      return is_seen(histories, tag, at);
+    };
+    const bool is_after = !state.last_seen || day > *state.last_seen;
+    if (is_after && std::ranges::all_of(neighbours, shows)) ++missed;
+  }
+  if (missed < kEnough) return;
+  state.action = PlateAction::look;
+  state.cure.reset();
+  state.reason = fmt::format(
+      "{}; its neighbours were, on {} days",
+      state.last_seen ? "not seen since " + to_text(*state.last_seen) : std::string("never seen"),
+      missed);
+}
+
+std::vector<const PlacedTag*> wall_of(const Survey& survey, Side side) {
+  std::vector<const PlacedTag*> wall;
+  for (const PlacedTag& tag : survey.tags) {
+    if (tag.side == side) wall.push_back(&tag);
+  }
+  std::ranges::stable_sort(wall, {}, &PlacedTag::chainage);
+  return wall;
+}
+
+void count_trend(const PlateState& plate, LedgerReport& report) {
+  if (!plate.due) return;
+  ++report.trends;
+  const bool is_light = plate.due->parameter == GradeParameter::symbol_contrast ||
+                        plate.due->parameter == GradeParameter::modulation;
+  if (is_light && plate.due->expected) ++report.losing_light;
+}
+
+auto urgency(const PlateState& plate) {
+  const bool is_dated = plate.due && plate.due->expected;
+  return std::make_tuple(plate.action, !is_dated, is_dated ? *plate.due->expected : Day{});
+}
+
+}  // namespace
+
+Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger, Day last) {
+  const Result<LedgerCounts> photos =
+      ledger.count_photos(survey.name, to_text(last), survey_revision(survey));
+  if (!photos) return tl::unexpected(photos.error());
+  const Result<Histories> histories = read_histories(survey, ledger, last);
+  if (!histories) return tl::unexpected(histories.error());
+  LedgerReport report;
+  report.photos = *photos;
+  for (const auto& [tag, history] : *histories) {
+    if (history.days.empty()) continue;
+    report.oldest = std::min(report.oldest.value_or(Day::max()), history.days.begin()->first);
+    report.newest = std::max(report.newest.value_or(Day{}), history.days.rbegin()->first);
+  }
+  for (const Side side : {Side::left, Side::right}) {
+    const std::vector<const PlacedTag*> wall = wall_of(survey, side);
+    for (std::size_t i = 0; i < wall.size(); ++i) {
+      const auto history = histories->find(wall[i]->name);
+      report.plates.push_back(
+          judge_plate(wall[i]->name, history == histories->end() ? PlateHistory{} : history->second,
+                      report.newest.value_or(Day{})));
+      PlateState& state = report.plates.back();
+      find_lost(*histories, neighbours_of(*histories, wall, i), state);
+      count_trend(state, report);
+      report.mended.insert(report.mended.end(), state.mended.begin(), state.mended.end());
+    }
+  }
+  std::ranges::stable_sort(report.plates, {}, urgency);
+  std::ranges::stable_sort(report.mended, std::ranges::greater{}, &MendedFault::in_order);
+  return report;
+}
+
+std::string camera_in_words(const LedgerReport& report) {
+  return fmt::format(
+      "{} of {} plates lose light at once: clean the cameras' lenses first, and check focus, lamps "
+      "and exposure",
+      report.losing_light, report.trends);
+}
+
+std::vector<std::string> plates_to(PlateAction action, const Survey& survey,
+                                   const LedgerReport& report) {
+  std::vector<std::string> names;
+  for (const PlacedTag& tag : survey.tags) {
+    const auto state = std::ranges::find(report.plates, tag.name, &PlateState::tag);
+    if (state != report.plates.end() && state->action == action) names.push_back(tag.name);
+  }
+  return names;
 }
 
 }  // namespace tagsmith::detail

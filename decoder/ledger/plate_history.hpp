@@ -10,9 +10,54 @@
 #include <vector>
 
 #include "decoder/ledger/ledger.hpp"
-#include "decoder/ledger/trend.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
+
+// ---- A straight line through what was measured day by day, and when it falls to a limit.
+
+struct TrendPoint {
+  double day = 0;
+  double value = 0;
+};
+
+// Fewer days show no trend: two points are on a line whatever they are.
+inline constexpr std::size_t kLeastTrendDays = 3;
+
+// Of the intervals that are stated: they hold the true day so often.
+inline constexpr double kTrendConfidence = 0.80;
+
+// The least-squares line.
+struct Trend {
+  std::size_t days = 0;
+  double first = 0;    // day
+  double last = 0;     // day
+  double middle = 0;   // mean of the days
+  double spread = 0;   // sum of the squared distances from it
+  double level = 0;    // at the middle
+  double slope = 0;    // per day
+  double scatter = 0;  // standard deviation of a day's value about the line
+
+  double at(double day) const { return level + slope * (day - middle); }
+};
+
+// Nothing of fewer than kLeastTrendDays different days. The points are in the order of their days.
+std::optional<Trend> fit_trend(const std::vector<TrendPoint>& points);
+
+// When a line that falls is at the limit, not before the trend's last day; and the interval that
+// holds the true day with kTrendConfidence.
+struct Crossing {
+  std::optional<double> expected;  // nothing of a line that does not fall
+  std::optional<double> earliest;  // nothing = never
+  std::optional<double> latest;    // nothing = perhaps never
+};
+
+// Of a trend that is above the limit on its last day. Exact where values scatter normally about a
+// line (Fieller, J. Royal Statistical Society B 16, 1954: 175).
+Crossing crossing_of(const Trend& trend, double limit);
+
+// ---- One plate.
 
 using Day = std::chrono::sys_days;
 
@@ -101,5 +146,30 @@ struct PlateState {
 
 // By the plate's own photos. `newest`: the day of the newest photo of all plates.
 PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day newest);
+
+// ---- What the ledger says of all plates of a survey.
+
+struct LedgerReport {
+  LedgerCounts photos;
+  std::optional<Day> oldest;        // day of the oldest photo of a plate
+  std::optional<Day> newest;        // day of the newest one: now, in what follows
+  std::vector<PlateState> plates;   // all of the survey, the most urgent first
+  std::vector<MendedFault> mended;  // the latest first
+  std::size_t trends = 0;           // plates that have one
+  std::size_t losing_light = 0;     // of these, by contrast or modulation on their way to the limit
+
+  // Plates do not get dirty all at once: then it is a lens, its focus, a lamp, or dust in the air.
+  bool blames_camera() const { return trends >= 5 && 2 * losing_light > trends; }
+};
+
+// What to do when the report blames the camera, in words.
+std::string camera_in_words(const LedgerReport& report);
+
+// No photo can have been taken after the day `last`: those that are dated so count as undated.
+Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger, Day last);
+
+// The survey's plates for which this is to be done, in the survey's order.
+std::vector<std::string> plates_to(PlateAction action, const Survey& survey,
+                                   const LedgerReport& report);
 
 }  // namespace tagsmith::detail

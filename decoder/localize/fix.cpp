@@ -2,17 +2,21 @@
 #include "decoder/localize/fix.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <numeric>
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Fixes.
+
 namespace {
 
 double mean_of(const std::vector<double>& values) {
@@ -120,6 +124,28 @@ FixSummary summarize(const std::vector<Fix>& fixes, const std::vector<Measuremen
   summary.error95 = FixError{planes[rank - 1], heights[rank - 1]};
   summary.max_error = FixError{planes.back(), heights.back()};
   return summary;
+}
+
+// ---- Solutions in the rock.
+
+std::string outside_tunnel(const Tunnel& tunnel, const Eigen::Vector3d& position_in_world) {
+  const CenterlineAddress address = tunnel.centerline.locate(position_in_world.head<2>());
+  const double above_floor =
+      position_in_world.z() - tunnel.centerline.at(address.chainage).position.z();
+  if (above_floor < 0) {
+    return fmt::format("the solution lies {:.3f} m below the floor", -above_floor);
+  }
+  const double roof = tunnel.height.at(address.chainage);
+  if (above_floor > roof) {
+    return fmt::format("the solution lies {:.3f} m above the roof", above_floor - roof);
+  }
+  const Side side = address.offset < 0 ? Side::left : Side::right;
+  const double beyond_wall = behind_wall(tunnel, side, address);
+  if (beyond_wall > 0) {
+    return fmt::format("the solution lies {:.3f} m behind the {} wall's plates", beyond_wall,
+                       to_string(side));
+  }
+  return {};
 }
 
 }  // namespace tagsmith::detail

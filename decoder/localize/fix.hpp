@@ -165,4 +165,9 @@ struct FixSummary {
 // `fixes[i]` belongs to `measurements[i]`.
 FixSummary summarize(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements);
 
+// ---- Solutions in the rock.
+
+// Why a solution cannot be where the vehicle is: it lies in the rock. Empty when it does not.
+std::string outside_tunnel(const Tunnel& tunnel, const Eigen::Vector3d& position_in_world);
+
 }  // namespace tagsmith::detail

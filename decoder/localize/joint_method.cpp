@@ -15,13 +15,59 @@
 #include <tl/expected.hpp>
 
 #include "decoder/localize/pose_search.hpp"
-#include "decoder/localize/settled_fit.hpp"
 #include "decoder/localize/unchecked.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
+
+// ---- The fit once it is known what it rests on.
+
 namespace {
+
+// A pose, and how well it is known with everything that survey and rig call uncertain.
+struct SettledFit {
+  JointState state;
+  VehicleCovariance covariance = VehicleCovariance::Zero();  // world axes, as of JointFit
+  VehicleBudget budget;                                      // adds up to the covariance
+  double chi_square = 0;
+  int degrees_of_freedom = 0;
+};
+
+// A fit that may change the calibration spreads noise over it and trusts ranges more; one that
+// weighs corners by an error of all edges alike no longer tells the better corner. Where the same
+// measurements agree with calibration and edges as they are said (they would disagree more once in
+// a thousand), the pose is the one by these; else it is the fit's own. The covariance is
+// that of the error about the pose: the fit's own, and the square of how far the two poses are
+// apart, which counts as of the calibration. Why: docs/decisions/0020-unstated-is-not-exact.md.
+SettledFit settled(const JointProblem& problem, const JointFit& fit) {
+  constexpr double kBorneOut = 3.1;  // of a normal value: once in a thousand
+  SettledFit result{fit.state, fit.vehicle_covariance(), budget_of(problem, fit), fit.chi_square,
+                    fit.degrees_of_freedom};
+  const auto is_exact = [](const Sighting& sighting) { return sighting.by_edges.isZero(); };
+  if (fit.state.calibration.size() == 0 && std::ranges::all_of(problem.sightings, is_exact)) {
+    return result;
+  }
+  Rig as_said = *problem.rig;
+  for (RigCamera& camera : as_said.cameras) camera.calibration_sigma = {};
+  JointProblem exact = problem;
+  exact.rig = &as_said;
+  exact.edges_weigh = false;
+  const auto said = fit_jointly(exact, fit.selection, fit.state.vehicle);
+  if (!said || said->chi_square > chi_square_limit(said->degrees_of_freedom, kBorneOut)) {
+    return result;
+  }
+  const Eigen::Matrix<double, 6, 1> apart = pose_difference(fit.state.vehicle, said->state.vehicle);
+  const VehicleCovariance square = apart * apart.transpose();
+  result.covariance += square;
+  result.budget.calibration += square;
+  result.state = said->state;
+  result.chi_square = said->chi_square;
+  result.degrees_of_freedom = said->degrees_of_freedom;
+  return result;
+}
+
+// ---- The method.
 
 using Eigen::Vector3d;
 

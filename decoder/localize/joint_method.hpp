@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "decoder/localize/fix.hpp"
-#include "decoder/localize/joint_model.hpp"
 #include "decoder/localize/observation.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"

@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "decoder/reader/survey_options.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/symbology/upca.hpp"
 

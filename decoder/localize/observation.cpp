@@ -8,7 +8,7 @@
 
 #include <fmt/core.h>
 
-#include "decoder/reader/survey_options.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {

@@ -10,8 +10,8 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/survey_options.hpp"
 #include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {

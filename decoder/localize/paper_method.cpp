@@ -13,13 +13,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "decoder/localize/outside_tunnel.hpp"
 #include "decoder/paper/closed_form.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
-#include "tagsmith/survey/pair_angle.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "decoder/localize/outside_tunnel.hpp"
+#include "decoder/localize/fix.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"

@@ -11,7 +11,6 @@
 
 #include <fmt/core.h>
 
-#include "decoder/localize/outside_tunnel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 

@@ -9,7 +9,6 @@
 #include "decoder/image/line_levels.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
-#include "decoder/scan/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -3,7 +3,6 @@
 // lower sides from other straight edges near by.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 

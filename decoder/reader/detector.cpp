@@ -6,13 +6,10 @@
 #include <utility>
 #include <variant>
 
-#include "decoder/feature_frame/tuning.hpp"
-#include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/located_bars.hpp"
 #include "decoder/reader/tuning.hpp"
-#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/scan/explanation.hpp"
 #include "tagsmith/symbology/upca.hpp"

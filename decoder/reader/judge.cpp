@@ -10,6 +10,7 @@
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/placed_corners.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/tuning.hpp"
 

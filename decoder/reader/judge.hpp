@@ -2,7 +2,6 @@
 // Whether what stands in a frame is believed.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 #include "decoder/feature_frame/refine.hpp"
@@ -10,7 +9,6 @@
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
-#include "decoder/reader/tuning.hpp"
 
 namespace tagsmith::detail {
 

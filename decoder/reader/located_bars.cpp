@@ -10,7 +10,6 @@
 #include "decoder/reader/region_scan.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {

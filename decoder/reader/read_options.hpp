@@ -3,11 +3,14 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "decoder/feature_frame/frame.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/geometry/pose.hpp"
+#include "tagsmith/survey/survey.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith::detail {
@@ -70,5 +73,22 @@ struct ReadOptions {
   // Whether ReadResult::passed_over is filled.
   bool tell_passed_over = false;
 };
+
+// ---- What a survey tells the reader: how to read its tags, and which of them should be in a
+// picture.
+
+// How to read the tags of these surveys: their templates' layouts, their codes as the code book,
+// and their check digit where they agree on one.
+ReadOptions read_options_for(std::span<const Survey> surveys);
+
+// The same of surveys that lie apart; none is copied.
+ReadOptions read_options_of(std::span<const Survey* const> surveys);
+
+// ---- Tags that should be in a picture, known beforehand.
+
+// The tags of a survey that a camera at this pose faces and has wholly in its image, at 0.25 pixels
+// a module or more; nearest first. `uncertainty_px` is that of the corners, as the pose leaves it.
+std::vector<ExpectedTag> expected_tags(const Survey& survey, const Camera& camera,
+                                       const Pose& camera_from_world, double uncertainty_px);
 
 }  // namespace tagsmith::detail

@@ -2,12 +2,17 @@
 // Tags of which a part is in sight, read against a code book.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
+#include <vector>
 
+#include "decoder/feature_frame/frame.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/part_reading.hpp"
+#include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
 
 namespace tagsmith::detail {
@@ -28,5 +33,49 @@ struct CoveredReading {
 
 CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
                             const ReadOptions& options);
+
+// ---- Tags of one picture of which a part is in sight: noted while whole ones are searched, read
+// where none was.
+
+// Does nothing without codes to compare with. Why: docs/decisions/0025-parts-of-tags.md.
+class PartSearch {
+ public:
+  // Whether a whole tag was read at a place of the picture.
+  using IsRead = std::function<bool(PixelPoint)>;
+
+  explicit PartSearch(const ReadOptions& options);
+
+  // Keeps an outline that the picture's border cuts.
+  void note_cut(const Outline& outline, const FrameShape& shape);
+
+  // Keeps an outline within the picture that is framed on all sides but one, where something may
+  // hide the end of a tag.
+  void note_hidden_side(const Outline& outline, const FrameShape& shape);
+
+  // Reads what was cut by the border and noted since the last call.
+  void read_cut(const GrayView& image, const IsRead& is_read);
+
+  // Keeps a frame of which the begin or the end may be the edge of what hides the rest.
+  void note_hidden_end(const GrayView& image, const Quad& frame);
+
+  // Reads what is in sight inside of a refused frame.
+  void read_covered(const GrayView& image, const RefinedFrame& frame, const IsRead& is_read);
+
+  // Reads what was noted, beside what hides it.
+  void read_beside(const GrayView& image, const IsRead& is_read);
+
+  const std::vector<PartReading>& parts() const { return parts_; }
+
+ private:
+  bool has_part_at(PixelPoint point) const;
+
+  ReadOptions options_;             // the codes that parts are compared with are its book
+  std::vector<Quad> cut_;           // outlines with their side 1 on the border
+  std::size_t read_cuts_ = 0;       // of them, tried so far
+  std::vector<Quad> hidden_sides_;  // outlines with something before their side 1
+  std::vector<Quad> covered_;       // refused frames that were tried
+  std::vector<Quad> strangers_;     // of them, those whose digits in sight contradict the book
+  std::vector<PartReading> parts_;
+};
 
 }  // namespace tagsmith::detail

@@ -2,18 +2,323 @@
 #include "decoder/reader/robust_profile.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 #include <span>
+#include <vector>
 
-#include "decoder/reader/agreeing_rows.hpp"
+#include <Eigen/Core>
+
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/reader/uneven_light.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Rows that agree.
+
+namespace {
+
+constexpr double kModelVariance = kProfile.model_error * kProfile.model_error;
+
+using Bins = Eigen::ArrayXf;
+using Cells = Eigen::ArrayXXf;  // bins x rows: a column is a row of the symbol
+using CellFlags = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
+// A quantity over the frame, bilinear between its corners.
+double bilinear(const std::array<double, 4>& at, double u, double v) {
+  return (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[3] + u * at[2]);
+}
+
+// A light of the plate in each bin of a row; along a row it changes evenly.
+Bins level_along(const SymbolRows& rows, const std::array<double, 4>& light, double v) {
+  const auto bins = static_cast<Eigen::Index>(rows.bins);
+  const auto at = [&](double bin) {
+    return static_cast<float>(bilinear(light, rows.width_share_of(bin), v));
+  };
+  return Bins::LinSpaced(bins, at(0.5), at(static_cast<double>(bins) - 0.5));
+}
+
+// One quantity of a row's cells, given that of the first bin.
+auto along_row(const float& first, Eigen::Index bins) {
+  constexpr int kStride = sizeof(RowCell) / sizeof(float);
+  return Eigen::Map<const Bins, Eigen::Unaligned, Eigen::InnerStride<kStride>>(&first, bins);
+}
+
+// The rows of a part of the bars' height with their darkness: 0 = the plate's white, 1 = the
+// frame's black.
+struct DarkRows {
+  Cells darkness;
+  Cells place, count;                // as in a RowCell
+  std::vector<Eigen::Index> bins{};  // those that pixels fell into; the others are left out
+};
+
+void leave_out_empty(DarkRows& rows) {
+  const Bins pixels = rows.count.rowwise().sum();
+  for (Eigen::Index bin = 0; bin < pixels.size(); ++bin) {
+    if (pixels[bin] > 0) rows.bins.push_back(bin);
+  }
+  if (std::cmp_equal(rows.bins.size(), pixels.size())) return;
+  for (Cells* of : {&rows.darkness, &rows.place, &rows.count}) {
+    *of = (*of)(rows.bins, Eigen::all).eval();
+  }
+}
+
+DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels, double top, double bottom) {
+  constexpr float kLeastContrast = 1e-3F;
+  std::vector<std::size_t> used;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    const double v = rows.height_of(row);
+    if (v >= top && v <= bottom) used.push_back(row);
+  }
+  const auto bins = static_cast<Eigen::Index>(rows.bins);
+  const auto count = static_cast<Eigen::Index>(used.size());
+  DarkRows dark{Cells(bins, count), Cells(bins, count), Cells(bins, count)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const std::size_t row = used[static_cast<std::size_t>(k)];
+    const RowCell& first = rows.cell(row, 0);
+    const Bins white = level_along(rows, levels.white, rows.height_of(row));
+    const Bins black = level_along(rows, levels.black, rows.height_of(row));
+    dark.darkness.col(k) =
+        (white - along_row(first.light, bins)) / (white - black).max(kLeastContrast);
+    dark.place.col(k) = along_row(first.place, bins);
+    dark.count.col(k) = along_row(first.count, bins);
+  }
+  leave_out_empty(dark);
+  return dark;
+}
+
+// Sums over some of the pixels of each bin.
+struct PixelSums {
+  Bins darkness, place, count;
+};
+
+// Row after row, so that rounding is the same on every machine.
+PixelSums sums_of(const DarkRows& rows, const Cells& pixels) {
+  const Bins none = Bins::Zero(pixels.rows());
+  PixelSums sums{none, none, none};
+  for (Eigen::Index row = 0; row < pixels.cols(); ++row) {
+    sums.darkness += pixels.col(row) * rows.darkness.col(row);
+    sums.place += pixels.col(row) * rows.place.col(row);
+    sums.count += pixels.col(row);
+  }
+  return sums;
+}
+
+// What the rows agree on in each bin.
+struct Consensus {
+  Bins median;
+  Bins place;      // mean place of the bin's pixels, bins
+  Bins slope;      // change of darkness a bin
+  Bins tolerated;  // difference of darkness that is no disagreement
+};
+
+float median_of(const DarkRows& rows, Eigen::Index bin, std::vector<float>& seen) {
+  seen.clear();
+  for (Eigen::Index row = 0; row < rows.count.cols(); ++row) {
+    if (rows.count(bin, row) > 0) seen.push_back(rows.darkness(bin, row));
+  }
+  return quantile(seen, 0.5);
+}
+
+// What changes before each bin, and behind the last one: nothing beside the first and the last.
+Bins changes_of(const Bins& values) {
+  const Eigen::Index size = values.size();
+  Bins changes = Bins::Zero(size + 1);
+  changes.segment(1, size - 1) = values.tail(size - 1) - values.head(size - 1);
+  return changes;
+}
+
+Consensus consensus_of(const DarkRows& rows, const PixelSums& all) {
+  Consensus consensus;
+  consensus.place = all.place / all.count;
+  // Where all rows show nearly the same, the mean, which is quicker.
+  consensus.median = all.darkness / all.count;
+  Cells shown = rows.darkness;
+  for (Eigen::Index row = 0; row < shown.cols(); ++row) {
+    shown.col(row) = (rows.count.col(row) > 0).select(shown.col(row), consensus.median);
+  }
+  const Bins spread = shown.rowwise().maxCoeff() - shown.rowwise().minCoeff();
+  std::vector<float> seen;
+  for (Eigen::Index bin = 0; bin < spread.size(); ++bin) {
+    if (spread[bin] > static_cast<float>(kProfile.shading))
+      consensus.median[bin] = median_of(rows, bin, seen);
+  }
+  const Eigen::Index size = spread.size();
+  const Bins rises = changes_of(consensus.median), runs = changes_of(consensus.place);
+  const auto before = rises.head(size), after = rises.tail(size);
+  const Bins run = runs.head(size) + runs.tail(size);
+  consensus.slope = (before + after) / run.max(0.5F);
+  consensus.tolerated = static_cast<float>(kProfile.shading) +
+                        static_cast<float>(kProfile.slanted) * before.abs().max(after.abs());
+  return consensus;
+}
+
+// How far cells are from what the rows agree on at their pixels' mean place.
+Cells differences(const DarkRows& rows, const Consensus& consensus) {
+  Cells expected = rows.place.colwise() - consensus.place;
+  expected.colwise() *= consensus.slope;
+  expected.colwise() += consensus.median;
+  return rows.darkness - expected;
+}
+
+// Variance of one pixel's darkness: from the median of what cells are off.
+double pixel_variance(const DarkRows& rows, const Cells& off) {
+  constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
+  constexpr Eigen::Index kEvery = 4;     // bins: some 2,000 cells tell it to 3 %
+  std::vector<float> squares;
+  for (Eigen::Index row = 0; row < off.cols(); ++row) {
+    for (Eigen::Index bin = 0; bin < off.rows(); bin += kEvery) {
+      const float count = rows.count(bin, row);
+      if (count > 0) squares.push_back(off(bin, row) * off(bin, row) * count);
+    }
+  }
+  if (squares.empty()) return kModelVariance;
+  return std::max(kModelVariance, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
+}
+
+// The cells that are farther off than noise and shading allow.
+CellFlags odd_cells(const DarkRows& rows, const Consensus& consensus, const Cells& off,
+                    double variance) {
+  const Cells beyond = (off.abs().colwise() - consensus.tolerated).max(0.0F);
+  return beyond.square() * rows.count > static_cast<float>(kBeyondNoise * kBeyondNoise * variance);
+}
+
+// Marks what lies in front of a row. An occluder disagrees in spaces, if it is dark, and on bars,
+// if it is light: its stretch of the row is what lies between odd cells that stand close.
+void mark_covers(const DarkRows& rows, const std::vector<Eigen::Index>& odd, int per_module,
+                 CellFlags::ColXpr covered) {
+  const auto bin = [&](std::size_t k) { return rows.bins[static_cast<std::size_t>(odd[k])]; };
+  for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
+    if (k < odd.size() && static_cast<double>(bin(k) - bin(k - 1)) <= kNearModules * per_module) {
+      continue;
+    }
+    const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));
+    if (run >= kProfile.least_run * per_module &&
+        static_cast<double>(k - begin) >= kProfile.least_used * run) {
+      // A pixel's width of the occluder's outline belongs to it too.
+      const Eigen::Index first = std::max<Eigen::Index>(odd[begin] - 1, 0);
+      const Eigen::Index last = std::min(odd[k - 1] + 1, covered.size() - 1);
+      covered.segment(first, last - first + 1) = true;
+    }
+    begin = k;
+  }
+}
+
+// Which cells lie on a stretch of their row with something in front.
+CellFlags covered_cells(const DarkRows& rows, const CellFlags& odd, int per_module) {
+  CellFlags covered = CellFlags::Constant(odd.rows(), odd.cols(), false);
+  for (Eigen::Index row = 0; row < odd.cols(); ++row) {
+    std::vector<Eigen::Index> bins;
+    for (Eigen::Index bin = 0; bin < odd.rows(); ++bin) {
+      if (odd(bin, row)) bins.push_back(bin);
+    }
+    if (!bins.empty()) mark_covers(rows, bins, per_module, covered.col(row));
+  }
+  return covered;
+}
+
+// The bins' rows by state.
+struct RowsByState {
+  PixelSums clear;    // neither odd nor covered
+  PixelSums even;     // not odd
+  PixelSums covered;  // odd or not
+  Bins odd;           // pixels
+  Bins odd_outside;   // of them, outside of covered stretches
+};
+
+RowsByState rows_by_state(const DarkRows& rows, const PixelSums& all, const CellFlags& odd,
+                          int per_module) {
+  const Bins none = Bins::Zero(all.count.size());
+  if (!odd.any()) return {all, all, {none, none, none}, none, none};
+  const CellFlags covered = covered_cells(rows, odd, per_module);
+  const auto pixels = [&](const CellFlags& which) -> Cells { return which.select(rows.count, 0); };
+  return {sums_of(rows, pixels(!odd && !covered)), sums_of(rows, pixels(!odd)),
+          sums_of(rows, pixels(covered)), sums_of(rows, pixels(odd)).count,
+          sums_of(rows, pixels(odd && !covered)).count};
+}
+
+// Variance of the darkness along the symbol, over a window.
+class Modulation {
+ public:
+  void count(const PixelSums& pixels, Eigen::Index bin, double sign) {
+    if (pixels.count[bin] == 0) return;
+    const auto darkness = static_cast<double>(pixels.darkness[bin] / pixels.count[bin]);
+    count_ += sign;
+    sum_ += sign * darkness;
+    squares_ += sign * darkness * darkness;
+  }
+
+  double variance() const {
+    return count_ < 2 ? 0 : std::max(0.0, squares_ / count_ - sum_ * sum_ / (count_ * count_));
+  }
+
+ private:
+  double count_ = 0, sum_ = 0, squares_ = 0;
+};
+
+// Whether a bin's covered cells are to be left out: where they are plain along the symbol and the
+// clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
+// other way round, the clear cells are the occluder.
+std::vector<bool> certain_covers(const RowsByState& rows, int per_module) {
+  const Eigen::Index reach = Eigen::Index{kNearModules} * per_module, size = rows.odd.size();
+  std::vector<bool> certain;
+  Modulation clear, covered;
+  const auto count = [&](Eigen::Index bin, double sign) {
+    clear.count(rows.clear, bin, sign);
+    covered.count(rows.covered, bin, sign);
+  };
+  for (Eigen::Index i = 0; i < std::min(reach, size); ++i) count(i, 1);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    if (i + reach < size) count(i + reach, 1);
+    if (i > reach) count(i - reach - 1, -1);
+    certain.push_back(covered.variance() < kProfile.plainer * clear.variance());
+  }
+  return certain;
+}
+
+ScanBin bin_of(const SymbolRows& symbol, const Consensus& consensus, const RowsByState& rows,
+               Eigen::Index bin, bool certain, double variance) {
+  const PixelSums& used = certain ? rows.clear : rows.even;
+  const auto count = static_cast<double>(used.count[bin]);
+  const auto odd = static_cast<double>(certain ? rows.odd_outside[bin] : rows.odd[bin]);
+  const auto seen = static_cast<double>(rows.even.count[bin] + rows.odd[bin]);
+  if (count < kProfile.least_used * seen) {
+    return {symbol.module_of(static_cast<double>(consensus.place[bin])),
+            static_cast<double>(consensus.median[bin]), kHiddenVariance, 0};
+  }
+  // Where the height disagrees with itself the median may have taken the wrong side: the doubt
+  // grows from nothing at full agreement to the whole contrast where half disagrees.
+  const double doubt = std::min(1.0, 2 * odd / (odd + count));
+  return {symbol.module_of(static_cast<double>(used.place[bin]) / count),
+          static_cast<double>(used.darkness[bin]) / count,
+          variance / count + kModelVariance + doubt * doubt * doubt * doubt, count / seen};
+}
+
+}  // namespace
+
+ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
+                                double bottom) {
+  const DarkRows dark = dark_rows(rows, levels, top, bottom);
+  if (dark.bins.empty()) return {};
+  const PixelSums all = sums_of(dark, dark.count);
+  const Consensus consensus = consensus_of(dark, all);
+  const Cells off = differences(dark, consensus);
+  const double variance = pixel_variance(dark, off);
+  const CellFlags odd = odd_cells(dark, consensus, off, variance);
+  const RowsByState by_state = rows_by_state(dark, all, odd, rows.bins_per_module);
+  const std::vector<bool> certain = certain_covers(by_state, rows.bins_per_module);
+  ScanProfile profile;
+  profile.reserve(certain.size());
+  for (std::size_t i = 0; i < certain.size(); ++i) {
+    profile.push_back(
+        bin_of(rows, consensus, by_state, static_cast<Eigen::Index>(i), certain[i], variance));
+  }
+  return profile;
+}
 
 // ---- The point spread along the symbol.
 

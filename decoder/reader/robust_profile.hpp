@@ -2,6 +2,7 @@
 // The scan profile of the symbol inside a feature frame, whatever hides parts of it.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
@@ -13,6 +14,20 @@
 #include "decoder/scan/profile.hpp"
 
 namespace tagsmith::detail {
+
+// ---- The scan profile of rows that agree.
+
+// The light of the plate's white and of the frame's black at the ends of the frame's upper and
+// lower sides: at (0,0) (1,0) (1,1) (0,1) of the unit square.
+struct PlateLevels {
+  std::array<double, 4> white{};
+  std::array<double, 4> black{};
+};
+
+// For each bin the mean darkness of the rows of a part of the frame's inner height that are near
+// their median, with what the others make doubtful.
+ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
+                                double bottom);
 
 // ---- The profile.
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "decoder/feature_frame/bar_direction.hpp"
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"

@@ -2,7 +2,6 @@
 // The light of a symbol's bars, straightened: rows across the bars' height, bins along the symbol.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 

@@ -6,7 +6,6 @@
 
 #include "decoder/scan/decoding.hpp"
 #include "decoder/scan/profile.hpp"
-#include "decoder/scan/symbol_fit.hpp"
 
 namespace tagsmith::detail {
 

@@ -8,7 +8,6 @@
 
 #include "decoder/scan/decoding.hpp"
 #include "decoder/scan/profile.hpp"
-#include "decoder/scan/symbol_fit.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith::detail {

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "decoder/scan/place_rows.hpp"
-#include "decoder/scan/running.hpp"
 #include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "decoder/scan/running.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 

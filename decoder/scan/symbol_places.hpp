@@ -6,8 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "decoder/scan/tuning.hpp"
-
 namespace tagsmith::detail {
 
 // Light along a line across the bars, evenly spaced; any unit. Lines are handled in their own

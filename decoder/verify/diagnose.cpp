@@ -11,8 +11,8 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/transform.hpp"
-#include "decoder/reader/judge.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"

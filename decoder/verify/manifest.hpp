@@ -19,7 +19,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
-#include "tagsmith/tag/printer_profile.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 

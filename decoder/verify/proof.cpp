@@ -13,12 +13,11 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/transform.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/survey_options.hpp"
-#include "decoder/verify/child_process.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;

@@ -3,6 +3,8 @@
 // rsvg-convert of librsvg2-bin, which run as processes of their own.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,9 +13,29 @@
 
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/tag/printer_profile.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Runs another program without a shell.
+
+struct ProcessLimits {
+  std::chrono::milliseconds time{60'000};  // wall time, then it is killed
+  std::size_t output_bytes = 256U << 20U;  // of its standard output, then it is killed
+};
+
+struct ProcessOutput {
+  int exit_code = 0;  // 128 + signal when one ended it
+  std::string out;
+  std::string err;  // its first 64 KiB
+};
+
+// Runs argv[0], looked for on the PATH, with standard input empty. Fails when it cannot be started
+// ("NAME: not found" in the message) or exceeds a limit; its exit code is the caller's to judge.
+Result<ProcessOutput> run_process(const std::vector<std::string>& argv,
+                                  const ProcessLimits& limits = {});
+
+// ---- Print files.
 
 // A page's size in metres, as displayed (its rotation applied).
 struct PageSize {

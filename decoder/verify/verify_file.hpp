@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 
+#include "decoder/grade/grade.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/verify/evidence.hpp"
 #include "decoder/verify/manifest.hpp"
@@ -15,8 +17,26 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/template.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Print quality of the tags that were found in order.
+
+// What the template's reference patches are taken to reflect: plain white film and solid ink.
+inline constexpr double kWhitePatchReflectance = 0.85;
+inline constexpr double kBlackPatchReflectance = 0.04;
+
+// Light of the plate's reference patches; `corners` are the feature frame's. Nothing when the
+// template has none, one leaves the picture, the white one is overexposed, or the two differ by
+// less than a tenth of all light.
+std::optional<ReflectanceReferences> find_references(const GrayView& image, const TagTemplate& tag,
+                                                     const FrameCorners& corners);
+
+// Fills `grade`, or `grade_reason`.
+void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verified);
+
+// ---- The file.
 
 // A file to be verified, read once: its hash and its picture come from the same bytes.
 struct InputFile {

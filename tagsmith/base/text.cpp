@@ -108,6 +108,10 @@ std::string format_number(double value, int decimals) {
   return text == "-0" ? "0" : text;
 }
 
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 std::string mm_text(double metres, int decimals) { return format_number(metres * 1000, decimals); }
 
 std::optional<std::string> nearest_word(std::string_view word,

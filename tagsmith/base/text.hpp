@@ -40,6 +40,9 @@ std::optional<int> parse_integer(std::string_view text);
 // `value` in fixed notation with at most `decimals` digits, trailing zeros dropped: 1.5, 0.04, 3.
 std::string format_number(double value, int decimals = 6);
 
+// "1 file", "3 files", of a noun whose plural has an s.
+std::string counted(std::size_t count, std::string_view noun);
+
 // A length in millimetres: 343, 0.264.
 std::string mm_text(double metres, int decimals = 3);
 

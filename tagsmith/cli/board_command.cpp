@@ -20,8 +20,7 @@
 #include "tagsmith/render/print_paper.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/text.hpp"
-#include "tagsmith/survey/read_board.hpp"
-#include "tagsmith/survey/write_board.hpp"
+#include "tagsmith/survey/board_file.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;

@@ -418,10 +418,10 @@ void print_table(const Drafted& drafted) {
     return greatest - least < 5e-4 ? fmt::format("{:.3f}", least)
                                    : fmt::format("{:.3f} to {:.3f}", least, greatest);
   };
-  to_stdout("{} points: tunnel {} m wide, {} m high, {:.3f} m long, of {} element{}; ",
-            draft.points.size(), range(least_width(tunnel), greatest_width(tunnel)),
+  to_stdout("{} points: tunnel {} m wide, {} m high, {:.3f} m long, of {}; ", draft.points.size(),
+            range(least_width(tunnel), greatest_width(tunnel)),
             range(tunnel.height.least(), tunnel.height.greatest()), tunnel.centerline.length(),
-            elements, elements == 1 ? "" : "s");
+            counted(elements, "element"));
   to_stdout("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
             draft.fit.rms_up * 1000);
   if (drafted.metres_per_unit != 1) {
@@ -460,12 +460,11 @@ Result<int> report_draft(const NewOptions& options, const std::string& name,
   for (const Diagnostic& finding : reading->diagnostics) {
     to_stderr("{}", Lines{printer.text_of(finding)});
   }
-  const auto errors =
-      std::ranges::count(reading->diagnostics, Severity::error, &Diagnostic::severity);
-  const auto warnings = static_cast<std::ptrdiff_t>(reading->diagnostics.size()) - errors;
-  to_stderr("{} written: {} error{}, {} warning{}; look at it: tagsmith draw {} -o {}.pdf\n", file,
-            errors, errors == 1 ? "" : "s", warnings, warnings == 1 ? "" : "s", file,
-            survey_name(options));
+  const auto errors = static_cast<std::size_t>(
+      std::ranges::count(reading->diagnostics, Severity::error, &Diagnostic::severity));
+  const std::size_t warnings = reading->diagnostics.size() - errors;
+  to_stderr("{} written: {}, {}; look at it: tagsmith draw {} -o {}.pdf\n", file,
+            counted(errors, "error"), counted(warnings, "warning"), file, survey_name(options));
   return errors > 0 ? kExitFindings : kExitOk;
 }
 

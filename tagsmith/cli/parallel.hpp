@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 
 namespace tagsmith::detail {
 
@@ -40,5 +42,17 @@ class ProgressBar {
   bool on_terminal_;
   bool drawn_ = false;
 };
+
+// Works as run_in_order does below a bar that counts `what`: deliver(i, result) is given what
+// work(i) returned, with the bar out of the way.
+template <class Work, class Deliver>
+void run_below_bar(std::string what, std::size_t count, int jobs, const Work& work,
+                   const Deliver& deliver) {
+  ProgressBar bar(std::move(what), count);
+  run_in_order(count, jobs, [&](std::size_t i) -> Delivery {
+    const auto result = std::make_shared<decltype(work(i))>(work(i));
+    return [&bar, &deliver, i, result] { bar.advance([&] { deliver(i, *result); }); };
+  });
+}
 
 }  // namespace tagsmith::detail

@@ -1,32 +1,328 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/plan_optimise.hpp"
+#include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/plan_page.hpp"
 #include "tagsmith/cli/plan_report.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/paper_plan/expected_by_paper.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
+#include "tagsmith/placement/optimise.hpp"
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/survey/assumptions.hpp"
+#include "tagsmith/survey/edit_yaml.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/read_template.hpp"
 
 namespace tagsmith::detail {
-namespace fs = std::filesystem;
+
+// ---- A better layout: looking for it and writing it down.
+
 namespace {
+
+struct OptimiseOptions {
+  Requirement requirement;
+  CostOrder order = CostOrder::tags;
+  std::vector<std::string> vary{"height", "plate", "stagger", "alpha"};
+};
+
+// A file that the chosen layout makes: the survey, the rig where alpha changed, and the template
+// where it is not one of the tool's own.
+struct LayoutFile {
+  std::string name;
+  std::string bytes;
+};
+
+// The chosen layout as files, with what was read back from them: what is planned next is what was
+// written.
+struct OptimisedDrive {
+  Optimisation optimisation;
+  std::vector<LayoutFile> files;
+  Survey survey;
+  Rig rig;
+};
+
+namespace fs = std::filesystem;
+
+// Templates to choose from, by file.
+using Templates = std::map<fs::path, TagTemplate>;
+
+void add_templates(const fs::path& folder, Templates& templates) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() != ".yaml" || !entry.is_regular_file(error)) continue;
+    if (const auto tag = load_template(entry.path())) templates.emplace(entry.path(), *tag);
+  }
+}
+
+// The tool's own and those beside the survey; of two of one name the survey's.
+Templates available_templates(const Survey& survey) {
+  Templates all;
+  const fs::path beside = survey.file.has_parent_path() ? survey.file.parent_path() : ".";
+  add_templates(beside, all);
+  std::set<std::string> names;
+  for (const auto& [path, tag] : all) names.insert(path.stem().string());
+  Templates own;
+  add_templates(data_directory() / "templates", own);
+  for (const auto& [path, tag] : own) {
+    if (!names.contains(path.stem().string())) all.emplace(path, tag);
+  }
+  return all;
+}
+
+bool is_same_plate(const TagTemplate& a, const TagTemplate& b) {
+  return a.name == b.name && a.plate_length == b.plate_length && a.plate_height == b.plate_height &&
+         a.frame_inner_length == b.frame_inner_length &&
+         a.frame_inner_height == b.frame_inner_height;
+}
+
+std::string number(double value, int decimals) { return format_number(value, decimals); }
+
+std::vector<YamlEdit> survey_edits(const Survey& survey, const Layout& layout,
+                                   const std::string& template_name) {
+  const TagSeries& given = *survey.series;
+  const TagSeries& series = layout.series;
+  std::vector<YamlEdit> edits;
+  const auto change = [&](const std::string& key, const std::string& value,
+                          const std::string& instead_of = {}) {
+    edits.push_back({{"tags"}, key, value, instead_of});
+  };
+  if (!is_same_plate(survey.tag_template, layout.tag_template)) change("template", template_name);
+  if (series.spacing != given.spacing) change("spacing", number(series.spacing, 3));
+  if (series.mount_height != given.mount_height) change("height", number(series.mount_height, 3));
+  if (series.pairs != given.pairs) change("pairs", std::to_string(series.pairs), "to");
+  if (series.pair_angle != given.pair_angle) {
+    const double facing =
+        std::atan2(layout.tag_template.frame_inner_length, width_at(survey.tunnel, series.first));
+    change("theta", number(degrees(series.pair_angle.value_or(facing)), 9));
+  }
+  return edits;
+}
+
+// `alpha` says that a camera is level; one that is not keeps its pitch and roll beside a new yaw.
+bool is_level(const RigCamera& camera) {
+  const Eigen::Matrix3d& rotation = camera.vehicle_from_camera.rotation;
+  constexpr double kRounding = 1e-9;
+  return std::abs(rotation(2, 2)) < kRounding && std::abs(rotation(2, 0)) < kRounding;
+}
+
+std::vector<YamlEdit> rig_edits(const Rig& rig, double alpha) {
+  std::vector<YamlEdit> edits;
+  for (const RigCamera& camera : rig.cameras) {
+    if (is_level(camera)) {
+      edits.push_back({{"cameras", camera.name}, "alpha", number(degrees(alpha), 3), "yaw"});
+    } else {
+      const double yaw = (camera.side == Side::left ? 90 : -90) * (1 - degrees(alpha) / 90);
+      edits.push_back({{"cameras", camera.name}, "yaw", number(yaw, 3), {}});
+    }
+  }
+  return edits;
+}
+
+Result<std::string> edited_file(const fs::path& file, const std::vector<YamlEdit>& edits) {
+  const Result<std::string> text = read_file(file);
+  if (!text) return fail(text.error().message);
+  auto edited = edit_yaml(*text, edits);
+  if (!edited) return fail(file.string() + ": " + edited.error().message);
+  return std::move(*edited);
+}
+
+// Adds the chosen survey, read back from its text.
+Result<void> write_survey(const Survey& survey, const Layout& layout, const Templates& templates,
+                          OptimisedDrive& drive) {
+  const auto used = std::ranges::find_if(templates, [&](const auto& entry) {
+    return is_same_plate(entry.second, layout.tag_template);
+  });
+  std::string template_name = layout.tag_template.name;
+  if (used != templates.end()) {
+    template_name = used->first.stem().string();
+    std::error_code error;
+    if (!fs::equivalent(used->first.parent_path(), data_directory() / "templates", error)) {
+      const Result<std::string> bytes = read_file(used->first);
+      if (!bytes) return fail(bytes.error().message);
+      drive.files.push_back({used->first.filename().string(), *bytes});
+    }
+  }
+  auto text = edited_file(survey.file, survey_edits(survey, layout, template_name));
+  if (!text) return fail(text.error().message);
+  Diagnosed<Survey> reading = read_survey_text(survey.file, *text);
+  if (!reading.value) {
+    return fail("the chosen layout makes no valid survey:\n" +
+                to_string(reading.diagnostics, true));
+  }
+  drive.survey = std::move(*reading.value);
+  drive.files.push_back({survey.file.filename().string(), std::move(*text)});
+  return {};
+}
+
+Result<void> write_rig(const Rig& rig, const Layout& layout, OptimisedDrive& drive) {
+  drive.rig = rig;
+  if (!layout.alpha) return {};
+  auto text = edited_file(rig.file, rig_edits(rig, *layout.alpha));
+  if (!text) return fail(text.error().message);
+  Diagnosed<Rig> reading = read_rig_text(rig.file, *text);
+  if (!reading.value) {
+    return fail("the chosen alpha makes no valid rig:\n" + to_string(reading.diagnostics, true));
+  }
+  drive.rig = std::move(*reading.value);
+  drive.files.push_back({rig.file.filename().string(), std::move(*text)});
+  return {};
+}
+
+std::string stagger_text(const Layout& layout) {
+  if (!layout.series.pair_angle) return "facing";
+  return number(degrees(*layout.series.pair_angle), 1) + " deg";
+}
+
+std::string row(const LayoutReport& report, const Optimisation& optimisation) {
+  const Layout& layout = report.layout;
+  return fmt::format(
+      "{} {:<20}{:>5}{:>9.2f}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>13}{:>13}\n",
+      report.name == optimisation.chosen.name ? ">" : " ", report.name, report.tags,
+      report.plate_area, number(layout.series.spacing, 3), number(layout.series.mount_height, 2),
+      layout.tag_template.name, stagger_text(layout),
+      layout.alpha ? number(degrees(*layout.alpha), 1) : "given",
+      std::isfinite(report.worst_plane) ? fmt::format("{:.1f} mm", 1000 * report.worst_plane)
+                                        : "none",
+      report.meets ? "met" : fmt::format("{:.1f} %", 100 * report.met_share));
+}
+
+// A line for each; a freedom that brings nothing is said to.
+std::string table(const Optimisation& optimisation) {
+  std::string text = fmt::format("  {:<20}{:>5}{:>9}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>13}{:>13}\n",
+                                 "what varies", "tags", "area, m2", "spacing", "height", "plate",
+                                 "theta", "alpha", "worst plane", "requirement");
+  text += row(optimisation.given, optimisation);
+  const std::vector<LayoutReport>& rows = optimisation.alternatives;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto same = std::ranges::find_if(
+        rows, [&](const LayoutReport& other) { return is_same(other.layout, rows[i].layout); });
+    const bool is_new = static_cast<std::size_t>(same - rows.begin()) == i;
+    text += is_new ? row(rows[i], optimisation)
+                   : fmt::format("  {:<20} no better than {}\n", rows[i].name, same->name);
+  }
+  return text;
+}
+
+nlohmann::ordered_json json_of(const LayoutReport& report) {
+  const Layout& layout = report.layout;
+  nlohmann::ordered_json json;
+  json["name"] = report.name;
+  json["tags"] = report.tags;
+  json["plate_area"] = report.plate_area;
+  json["template"] = layout.tag_template.name;
+  json["spacing"] = layout.series.spacing;
+  json["height"] = layout.series.mount_height;
+  json["pairs"] = layout.series.pairs;
+  json["theta_deg"] = nullptr;
+  if (layout.series.pair_angle) json["theta_deg"] = degrees(*layout.series.pair_angle);
+  json["alpha_deg"] = nullptr;
+  if (layout.alpha) json["alpha_deg"] = degrees(*layout.alpha);
+  json["meets"] = report.meets;
+  json["met_share"] = report.met_share;
+  json["covered_share"] = report.covered_share;
+  json["plane_any_pose"] = nullptr;
+  if (std::isfinite(report.worst_plane)) json["plane_any_pose"] = report.worst_plane;
+  return json;
+}
+
+Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
+                                      const OptimiseOptions& options, const PlanOptions& plan) {
+  const Templates templates = available_templates(survey);
+  std::vector<TagTemplate> plates;
+  for (const auto& [path, tag] : templates) plates.push_back(tag);
+  const auto may = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
+  const Freedom freedom{may("height"), may("plate"), may("stagger"), may("alpha")};
+  std::optional<ProgressBar> bar;
+  const auto show = [&bar](std::size_t, std::size_t total) {
+    if (!bar) bar.emplace("layouts", total);
+    bar->advance([] {});
+  };
+  auto found =
+      optimise(survey, rig, plates, options.requirement, options.order, freedom, plan, show);
+  bar.reset();
+  if (!found) return fail(found.error().message);
+  OptimisedDrive drive;
+  drive.optimisation = std::move(*found);
+  const Layout& layout = drive.optimisation.chosen.layout;
+  if (auto written = write_survey(survey, layout, templates, drive); !written) {
+    return fail(written.error().message);
+  }
+  if (auto written = write_rig(rig, layout, drive); !written) return fail(written.error().message);
+  return drive;
+}
+
+// What was tried of each freedom, and what never is.
+std::string limits_text(const OptimiseOptions& options, bool alpha_can_vary) {
+  const auto varies = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
+  std::string text = "\ntried       spacing from 0.05 to 20 m in steps of 0.05 m\n";
+  const auto add = [&](const char* line) { text += std::string(12, ' ') + line + "\n"; };
+  if (varies("plate")) add("every template of the tool and of the survey's folder");
+  if (varies("height")) add("height of P in steps of 0.2 m, up to 4 m");
+  if (varies("stagger")) add("plates facing, and half a pitch apart");
+  if (varies("alpha") && alpha_can_vary) add("alpha from 15 to 75 deg in steps of 5 deg");
+  text += "not varied  the first tag's chainage, tags on one wall alone, a spacing that changes\n";
+  add("the rig's cameras, lenses, places and exposure");
+  if (varies("alpha") && !alpha_can_vary) add("alpha: not every camera of the rig has a side");
+  return text +
+         "One freedom after the other, twice over: the best found, which need not be the best\n"
+         "there is.\n";
+}
+
+// The alternatives, a line each, the chosen one marked.
+std::string optimisation_report(const Optimisation& optimisation, const OptimiseOptions& options) {
+  std::string text = fmt::format(
+      "required: plane at most {} mm at every pose{}\n"
+      "          along {:.1f} % of the drive{}\n\n",
+      number(1000 * options.requirement.plane_sigma, 3),
+      options.requirement.tags_lost == 0
+          ? ""
+          : "; with any one tag lost a tag at every\n"
+            "          pose still, and that plane on the center line",
+      100 * optimisation.demanded_share,
+      optimisation.demanded_share < 1
+          ? " (elsewhere not even the given plates side by side serve every pose)"
+          : "");
+  return text + table(optimisation) + limits_text(options, optimisation.alpha_can_vary);
+}
+
+// One JSON object (docs/formats.md).
+std::string optimisation_json(const Optimisation& optimisation) {
+  nlohmann::ordered_json json;
+  json["demanded_share"] = optimisation.demanded_share;
+  json["given"] = json_of(optimisation.given);
+  json["chosen"] = json_of(optimisation.chosen);
+  json["alternatives"] = nlohmann::ordered_json::array();
+  for (const LayoutReport& report : optimisation.alternatives) {
+    json["alternatives"].push_back(json_of(report));
+  }
+  return json_text(json);
+}
+
+// ---- The command.
 
 constexpr const char* kName = "plan";
 

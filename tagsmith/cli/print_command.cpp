@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -181,8 +180,8 @@ void report_problems(const PrintRecord& record) {
     ++problems;
     to_stderr("tagsmith print: proof: {} in {}: {}\n", proof.tag, proof.file, proof.problem);
   }
-  to_stderr("tagsmith print: the proof found {} fault{}; nothing was written\n", problems,
-            problems == 1 ? "" : "s");
+  to_stderr("tagsmith print: the proof found {}; nothing was written\n",
+            counted(problems, "fault"));
 }
 
 void report_proof(const PrintRecord& record) {

@@ -18,7 +18,6 @@
 #include "tagsmith/render/qr_symbol.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tagsmith/render/tag_text.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -202,8 +201,7 @@ Result<void> write_single(const PrintJob& job, const StagedFiles& files,
                           const std::function<void()>& done) {
   std::size_t count = 0;
   for (const PrintUnit& unit : job.units) count += unit.tags.size();
-  const PageNotes notes =
-      notes_of_several(job, fmt::format("{} position tag{}", count, count == 1 ? "" : "s"));
+  const PageNotes notes = notes_of_several(job, counted(count, "position tag"));
   const SheetSource sheets = [&](const std::function<void(const Sheet&)>& add) {
     for (const PrintUnit& unit : job.units) {
       for (Page& page : pages_of(job, unit)) {

@@ -4,7 +4,6 @@
 #include <istream>
 #include <iterator>
 #include <sstream>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -12,7 +12,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/survey/survey.hpp"
-#include "tagsmith/tag/printer_profile.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 

@@ -3,26 +3,351 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
-#include <memory>
+#include <set>
 #include <span>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/csv.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/parallel.hpp"
-#include "tagsmith/cli/print_order.hpp"
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/render/cut_file.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/setting_out_sheets.hpp"
+#include "tagsmith/render/text.hpp"
 #include "tagsmith/render/zip_file.hpp"
-#include "tagsmith/survey/setting_out.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/survey/place_tags.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
+
+// ---- The manifest.
+
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Micrometres are finer than anything surveyed or printed; more digits would be rounding noise.
+double to_micrometre(double metres) { return with_decimals(metres, 6); }
+double mm(double metres) { return std::round(metres * 1e9) / 1e6; }
+
+Json rounded_point(const Eigen::Vector3d& point) {
+  return {to_micrometre(point.x()), to_micrometre(point.y()), to_micrometre(point.z())};
+}
+
+Json tag_json(const PrintedTag& printed, const std::string& folder) {
+  const PlacedTag& tag = *printed.tag;
+  return {{"tag", tag.name},
+          {"side", to_string(tag.side)},
+          {"digits", to_string(tag.digits)},
+          {"position", rounded_point(tag.p_in_grid)},
+          {"coded_position", rounded_point(tag.coded_in_grid)},
+          {"rounding", rounded_point(tag.coded_in_grid - tag.p_in_grid)},
+          {"chainage", to_micrometre(tag.chainage)},
+          {"files", json_list(printed.files, [&](const auto& file) { return folder + file; })}};
+}
+
+// Where the tiles of a plate belong: tile (column, row) shows its window of the page `step` further
+// right and down for each column and row.
+Json tiles_json(const TilePlan& plan) {
+  const Rectangle& window = plan.window;
+  return {{"columns", plan.columns},
+          {"rows", plan.rows},
+          {"overlap_mm", mm(plan.overlap)},
+          {"window_mm", {mm(window.x), mm(window.y), mm(window.width), mm(window.height)}},
+          {"first_mm", {mm(plan.first_in_plate.x), mm(plan.first_in_plate.y)}},
+          {"step_mm", {mm(plan.step_right), mm(plan.step_down)}}};
+}
+
+Json proofs_json(const std::vector<TagProof>& proofs) {
+  return json_list(proofs, [](const TagProof& proof) -> Json {
+    return {{"tag", proof.tag},
+            {"file", proof.file},
+            {"dots_per_inch", with_decimals(proof.dots_per_inch, 2)},
+            {"digits", proof.digits},
+            {"length_error_mm", mm(proof.length_error)},
+            {"height_error_mm", mm(proof.height_error)},
+            {"corner_error_mm", mm(proof.corner_error)},
+            {"zbar", proof.zbar},
+            {"problem", proof.problem}};
+  });
+}
+
+Json roll_json(const RollUse& roll) {
+  return {{"length_m", with_decimals(roll.length, 3)},
+          {"waste_percent", std::round(roll.waste() * 1e3) / 10}};
+}
+
+// Micrometres on a metre: finer than paper keeps.
+Json printer_json(const PrinterProfile& printer) {
+  return {{"profile", printer.name},
+          {"scale", {to_micrometre(printer.scale.right), to_micrometre(printer.scale.down)}}};
+}
+
+// What all files of a print have in common.
+Json common_json(const PrintJob& job) {
+  const TagTemplate& tag = job.printed;
+  const Page page = pages_of(job, job.units.front()).back();
+  return {{"survey", job.survey->name},
+          {"survey_file", job.survey->file.string()},
+          {"revision", job.style.revision},
+          {"template", tag.name},
+          {"check_digit", to_string(job.survey->code.check)},
+          {"page_mm", {mm(page.width), mm(page.height)}},
+          {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
+          {"feature_frame_inner_mm", {mm(tag.frame_inner_length), mm(tag.frame_inner_height)}},
+          {"frame_offset_mm", {mm(tag.frame_offset_right), mm(tag.frame_offset_up)}},
+          {"module_mm", mm(module_width(tag))},
+          {"quiet_zone_modules", to_micrometre(tag.quiet_zone_modules)},
+          {"dots_per_inch", job.dots_per_inch()},
+          {"png_dots_per_inch", job.png_dots_per_inch()},
+          {"tiled", job.style.tiled},
+          {"rounding", job.rounding},
+          {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
+          {"material", tag.material},
+          {"paper", job.style.paper ? job.style.paper->name : ""}};
+}
+
+Json tags_json(const PrintRecord& record) {
+  Json tags = json_list(record.tags, [](const auto& item) { return tag_json(item, {}); });
+  for (const Json& kept : Json::parse(record.kept_tags)) tags.push_back(kept);
+  return tags;
+}
+
+// A tag of an earlier print all of whose files are still there.
+void keep_tag(Json tag, const Json& earlier, const std::filesystem::path& folder,
+              PrintRecord& record, Json& kept) {
+  const auto files = tag.at("files").get<std::vector<std::string>>();
+  std::error_code ignored;
+  const auto is_there = [&](const std::string& file) {
+    return !record.sha256.contains(file) && std::filesystem::exists(folder / file, ignored);
+  };
+  if (files.empty() || !std::ranges::all_of(files, is_there)) return;
+  for (const std::string& file : files) {
+    record.kept_sha256[file] = earlier.at("sha256").at(file).get<std::string>();
+  }
+  if (!tag.contains("revision")) tag["revision"] = earlier.at("revision");
+  kept.push_back(std::move(tag));
+}
+
+}  // namespace
+
+std::string printed_tag_json(const PrintedTag& printed, const std::string& folder) {
+  return json_text(tag_json(printed, folder), -1);
+}
+
+std::vector<PrintedTag> printed_tags(const PrintJob& job) {
+  std::vector<PrintedTag> printed;
+  for (std::size_t unit = 0; unit < job.units.size(); ++unit) {
+    std::vector<std::string> files;
+    for (const PageInFile& page : pages_in_files(job, unit)) {
+      if (std::ranges::count(files, page.file) == 0) files.push_back(page.file);
+    }
+    for (const PlacedTag* tag : job.units[unit].tags) printed.push_back({tag, files});
+  }
+  return printed;
+}
+
+std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) {
+  Json manifest = common_json(job);
+  manifest["tags"] = tags_json(record);
+  manifest["documents"] = record.documents;
+  std::map<std::string, std::string> hashes = record.sha256;
+  hashes.insert(record.kept_sha256.begin(), record.kept_sha256.end());
+  manifest["sha256"] = hashes;
+  if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);
+  if (job.style.printer) manifest["printer"] = printer_json(*job.style.printer);
+  if (job.roll) manifest["roll"] = roll_json(*job.roll);
+  if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
+  return json_text(manifest, 2) + "\n";
+}
+
+std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
+  const TagTemplate& tag = job.printed;
+  const Survey& survey = *job.survey;
+  const Page page = pages_of(job, job.units.front()).back();
+  std::string csv = csv_row(split(
+      "survey,survey_file,tag,side,digits,x,y,z,coded_x,coded_y,coded_z,rounding_x,rounding_y,"
+      "rounding_z,chainage,files,template,check_digit,page_width_mm,page_height_mm,plate_length_mm,"
+      "plate_height_mm,frame_inner_length_mm,frame_inner_height_mm,module_mm,revision",
+      ','));
+  for (const Json& item : tags_json(record)) {
+    std::vector<std::string> fields{survey.name, survey.file.string(), item.at("tag"),
+                                    item.at("side"), item.at("digits")};
+    for (const char* point : {"position", "coded_position", "rounding"}) {
+      for (const Json& coordinate : item.at(point)) fields.push_back(format_number(coordinate));
+    }
+    const auto files = item.at("files").get<std::vector<std::string>>();
+    fields.insert(fields.end(),
+                  {format_number(item.at("chainage")), fmt::format("{}", fmt::join(files, ";")),
+                   tag.name, to_string(survey.code.check)});
+    for (const double length :
+         {page.width, page.height, tag.plate_length, tag.plate_height, tag.frame_inner_length,
+          tag.frame_inner_height, module_width(tag)}) {
+      fields.push_back(mm_text(length, 6));
+    }
+    fields.push_back(item.value("revision", job.style.revision));
+    csv += csv_row(fields);
+  }
+  return csv;
+}
+
+void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
+                       PrintRecord& record) {
+  constexpr std::uintmax_t kMostBytes = 16U << 20U;
+  const Result<std::string> bytes = read_file(folder / "manifest.json", kMostBytes);
+  if (!bytes) return;
+  try {
+    const Json earlier = Json::parse(*bytes);
+    const Json common = common_json(job);
+    for (const auto& [key, value] : common.items()) {
+      const bool may_differ = key == "survey_file" || key == "revision";
+      if (!may_differ && earlier.value(key, Json()) != value) return;
+    }
+    Json kept = Json::array();
+    for (const Json& tag : earlier.at("tags")) {
+      keep_tag(tag, earlier, folder, record, kept);
+    }
+    record.kept_tags = json_text(kept);
+  } catch (const nlohmann::json::exception&) {
+    // It is none of ours, or damaged: verify then names the files that no manifest lists.
+    record.kept_sha256.clear();
+  }
+}
+
+// ---- What a sign maker gets with the print files.
+
+namespace {
+
+constexpr const char* kOrderPdf = "order.pdf";
+
+std::string cut_file_of(const PrintUnit& unit) { return unit.name + "-cut.dxf"; }
+
+struct OrderLine {
+  std::string name;
+  std::string value;
+};
+
+std::string holes_text(const TagTemplate& tag) {
+  if (tag.holes.empty()) return "none";
+  std::set<std::string> diameters;
+  for (const DrillHole& hole : tag.holes) diameters.insert(mm_text(hole.diameter));
+  std::string text = fmt::format("{} a plate, diameter", tag.holes.size());
+  for (const std::string& diameter : diameters) text += " " + diameter;
+  return text + " mm";
+}
+
+std::string paper_text(const PrintJob& job) {
+  if (job.roll) {
+    return fmt::format("{}: {} m, {} % of it waste", job.style.paper->name,
+                       format_number(job.roll->length, 2),
+                       format_number(job.roll->waste() * 100, 0));
+  }
+  return job.style.paper ? job.style.paper->name : "a page a plate";
+}
+
+std::size_t page_count(const PrintJob& job) {
+  return job.units.size() * pages_in_files(job, 0).size() / job.style.formats.size();
+}
+
+std::string contours_text(const PrintJob& job) {
+  if (job.printed.cut.contour) {
+    return std::string("spot colour CutContour in the PDF files") +
+           (job.tiles ? "" : ", and the DXF files");
+  }
+  return job.tiles ? "by the crop marks" : "the DXF files; the PDF files have crop marks";
+}
+
+std::vector<OrderLine> order_lines(const PrintJob& job, const PrintRecord& record) {
+  const TagTemplate& tag = job.printed;
+  const Page page = pages_of(job, job.units.front()).back();
+  std::vector<OrderLine> lines{
+      {"Survey",
+       job.survey->name + (job.style.revision.empty() ? "" : ", revision " + job.style.revision)},
+      {"Plates", fmt::format("{}, each different", record.tags.size())},
+      {"Plate", fmt::format("{}: {} x {} mm", tag.name, mm_text(tag.plate_length),
+                            mm_text(tag.plate_height))},
+      {"Material", tag.material.empty() ? "to be agreed: matt, flat, rigid" : tag.material},
+      {"Corners",
+       tag.cut.corner_radius > 0 ? "radius " + mm_text(tag.cut.corner_radius) + " mm" : "square"},
+      {"Holes", holes_text(tag)},
+      {"Feature frame inside",
+       fmt::format("{} x {} mm: measure it on the first print", mm_text(tag.frame_inner_length),
+                   mm_text(tag.frame_inner_height))},
+      {"Paper", paper_text(job)},
+      {"Pages", fmt::format("{} of {} x {} mm, bleed {} mm", page_count(job), mm_text(page.width),
+                            mm_text(page.height), mm_text(job.style.bleed))},
+      {"Print", "at 100 %, no fitting to the page, black ink alone"},
+      {"Contours", contours_text(job)}};
+  if (job.style.printer)
+    lines.push_back({"Printer", job.style.printer->name + " only: the PDF "
+                                                          "files are scaled for it"});
+  return lines;
+}
+
+Sheet order_sheet(const PrintJob& job, const PrintRecord& record) {
+  constexpr double kLeft = 0.020;
+  constexpr double kValues = 0.065;
+  constexpr double kRight = 0.190;
+  constexpr double kHeight = 0.0025;
+  constexpr double kStep = 0.0085;
+  Sheet sheet{0.210, 0.297, job.survey->name + " order", "Order of position tags", {}};
+  SheetLayer layer{"order", {}};
+  const auto add = [&](const std::string& text, double x, double y, double height, double width) {
+    layer.items.push_back(
+        SheetText{.text = text, .at = {x, y}, .height = height, .max_width = width});
+  };
+  double y = 0.030;
+  add("Order of position tags: " + job.survey->name, kLeft, y, 0.0042, kRight - kLeft);
+  for (const OrderLine& line : order_lines(job, record)) {
+    y += kStep;
+    add(line.name, kLeft, y, kHeight, kValues - kLeft - 0.003);
+    for (const std::string& part : lines_of(line.value, kRight - kValues, kHeight)) {
+      add(part, kValues, y, kHeight, kRight - kValues);
+      y += 1.8 * kHeight;
+    }
+    y -= 1.8 * kHeight;
+  }
+  sheet.layers.push_back(std::move(layer));
+  return sheet;
+}
+
+// Names of the order's files: order.pdf, and a cut file for each page. None in an order that is not
+// asked for; tiles have no cut files, for their plates are larger than a page.
+std::vector<std::string> order_files(const PrintJob& job) {
+  if (!job.style.order) return {};
+  std::vector<std::string> names{kOrderPdf};
+  if (job.tiles) return names;
+  for (const PrintUnit& unit : job.units) names.push_back(cut_file_of(unit));
+  return names;
+}
+
+// Makes these files.
+Result<void> write_order(const PrintJob& job, const PrintRecord& record, const StagedFiles& files) {
+  if (!job.style.order) return {};
+  const Sheet sheet = order_sheet(job, record);
+  const Result<std::string> pdf = render_pdf({&sheet, 1});
+  if (!pdf) return fail(pdf.error().message);
+  auto added = files.add(kOrderPdf, *pdf);
+  if (job.tiles) return added;
+  for (const PrintUnit& unit : job.units) {
+    if (!added) return added;
+    added = files.add(cut_file_of(unit), render_cut_file(nominal_pages(job, unit).front()));
+  }
+  return added;
+}
+
+// ---- The run.
 
 constexpr const char* kSettingOutList = "setting-out.csv";
 constexpr const char* kSettingOutPdf = "setting-out.pdf";
@@ -103,18 +428,12 @@ Result<void> prove_all(const PrintJob& job, const StagedFiles& files, PrintRecor
   if (!job.style.prove) return {};
   record.proofs.emplace();
   Result<void> all;
-  ProgressBar bar("pages proved", job.units.size());
-  run_in_order(job.units.size(), job.style.jobs, [&](std::size_t i) -> Delivery {
-    auto proofs = std::make_shared<Result<std::vector<TagProof>>>(prove_unit(job, files, i));
-    return [&, proofs] {
-      bar.advance([] {});
-      if (!*proofs) {
-        if (all) all = fail(proofs->error().message);
-        return;
-      }
-      std::ranges::move(**proofs, std::back_inserter(*record.proofs));
-    };
-  });
+  const auto prove = [&](std::size_t i) { return prove_unit(job, files, i); };
+  const auto take = [&](std::size_t, Result<std::vector<TagProof>>& proofs) {
+    if (proofs) std::ranges::move(*proofs, std::back_inserter(*record.proofs));
+    if (!proofs && all) all = fail(proofs.error().message);
+  };
+  run_below_bar("pages proved", job.units.size(), job.style.jobs, prove, take);
   return all;
 }
 

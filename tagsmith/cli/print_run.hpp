@@ -3,11 +3,55 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "tagsmith/cli/command_files.hpp"
-#include "tagsmith/cli/print_manifest.hpp"
+#include "tagsmith/cli/print_job.hpp"
+#include "tagsmith/cli/print_proof.hpp"
 
 namespace tagsmith::detail {
+
+// ---- What was printed: the list that goes to the sign maker and the installer with the files.
+
+struct PrintedTag {
+  const PlacedTag* tag = nullptr;
+  std::vector<std::string> files;  // names in the output folder
+};
+
+// What becomes known while the files are made.
+struct PrintRecord {
+  std::vector<PrintedTag> tags;
+  std::vector<std::string> documents;           // files that hold no tag to hang
+  std::map<std::string, std::string> sha256{};  // by file
+  std::optional<std::vector<TagProof>> proofs{};
+  // JSON list of the tags of earlier prints whose files are still in the folder, and these files.
+  std::string kept_tags = "[]";
+  std::map<std::string, std::string> kept_sha256{};
+};
+
+// Takes over what the folder's manifest says of files that this print leaves as they are, so that
+// `verify` still knows whether they are stale. Nothing of a manifest of another survey, template or
+// kind of print.
+void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
+                       PrintRecord& record);
+
+// The job's tags and the files that show them.
+std::vector<PrintedTag> printed_tags(const PrintJob& job);
+
+// One JSON object of a printed tag, on one line. `folder` is put before the files' names.
+std::string printed_tag_json(const PrintedTag& printed, const std::string& folder = {});
+
+// manifest.json: the survey and its revision, how it was printed, the sizes common to all tags,
+// each tag, each file's SHA-256, and the proof.
+std::string print_manifest_json(const PrintJob& job, const PrintRecord& record);
+
+// manifest.csv: the tags, one a row (RFC 4180).
+std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record);
+
+// ---- The run.
 
 // Makes everything in the folder, or nothing when something fails. A proof that finds a fault
 // leaves the folder as it was; the record then holds the problems. A progress bar is shown.

@@ -4,15 +4,43 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/cli/interrupt_guard.hpp"
 
 namespace tagsmith::detail {
+
+// ---- What must be tidied up when the process is told to end.
+
+// While it lives, SIGINT, SIGTERM and SIGHUP call `clean_up`, on a thread of its own, before they
+// end the process as they would have without. Signals that the process ignores (nohup) stay
+// ignored. Several may live at once.
+class InterruptGuard {
+ public:
+  InterruptGuard() = default;  // guards nothing
+  explicit InterruptGuard(std::function<void()> clean_up);
+  ~InterruptGuard();
+  InterruptGuard(InterruptGuard&& other) noexcept : number_(std::exchange(other.number_, 0)) {}
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(InterruptGuard&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+
+  // While the lock is held no clean-up begins: for what must be done wholly or not at all.
+  [[nodiscard]] static std::unique_lock<std::mutex> hold_off();
+
+ private:
+  int number_ = 0;  // 0 = guards nothing
+};
+
+// ---- Files.
 
 // Files gather in a hidden folder inside the target folder; publish() moves them to their names.
 // Without publish(), or when it fails, the destructor leaves the disk as it was before, folders

@@ -21,15 +21,14 @@
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
 #include "tagsmith/render/logo.hpp"
-#include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/rules.hpp"
-#include "tagsmith/survey/setting_out.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -178,10 +177,6 @@ std::string json_line(const Diagnostic& diagnostic) {
     line["fix"] = {{"found", diagnostic.fix->found}, {"replacement", diagnostic.fix->text}};
   }
   return json_text(line);
-}
-
-std::string counted(std::size_t count, const std::string& noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 int report(const Findings& findings, const ValidateOptions& options) {

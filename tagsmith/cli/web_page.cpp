@@ -90,6 +90,11 @@ std::string page_head(const std::string& title, const std::string& style, bool h
          "</title>\n<style>" + kCommon + style + "</style>\n</head>\n<body>\n";
 }
 
+std::string page_table(const std::string& head, const std::string& rows) {
+  return "<div class=\"scroll\"><table><thead><tr>" + head + "</tr></thead><tbody>\n" + rows +
+         "</tbody></table></div>\n";
+}
+
 const char* report_style() { return kReport; }
 
 }  // namespace tagsmith::detail

@@ -11,6 +11,9 @@ namespace tagsmith::detail {
 // if it has one.
 std::string page_head(const std::string& title, const std::string& style, bool has_script);
 
+// A table that scrolls by itself where the page is narrow, of cells <th> and rows <tr>.
+std::string page_table(const std::string& head, const std::string& rows);
+
 // Of pages that report tags: cards and maps, in the dark too.
 const char* report_style();
 

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "tagsmith/geometry/pair_circle.hpp"
-#include "tagsmith/survey/pair_angle.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 namespace {

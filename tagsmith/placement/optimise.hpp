@@ -3,16 +3,67 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
-#include "tagsmith/placement/layout.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith::detail {
+
+// ---- How the regular tags may hang, and what that costs and keeps.
+
+// What every pose of every demanded column must have.
+struct Requirement {
+  double plane_sigma = 0.02;  // at most, metres
+  int tags_lost = 0;          // 0 or 1: this many unreadable tags may not leave a pose without one
+};
+
+enum class CostOrder {
+  tags,   // fewest tags, then the least plate area
+  plate,  // the smallest plate, then the fewest tags
+};
+
+// The regular tags and, where it was changed, how far the side cameras look forward.
+struct Layout {
+  TagTemplate tag_template;
+  TagSeries series;
+  std::optional<double> alpha;  // radians; absent = as the rig says
+};
+
+// What a layout costs and keeps.
+struct LayoutReport {
+  std::string name;  // what was changed, for people
+  Layout layout;
+  int tags = 0;
+  double plate_area = 0;     // of all plates, square metres
+  bool meets = false;        // the requirement, at every demanded column
+  double met_share = 0;      // of the demanded columns
+  double covered_share = 0;  // of all columns: every pose has a position
+  double worst_plane = 0;    // sigma over all poses that have a position; infinite without any
+};
+
+bool is_same(const Layout& a, const Layout& b);
+
+// True when every camera has a side, so that an alpha can be given to it.
+bool all_look_aside(const Rig& rig);
+
+bool is_served(const PlanColumn& column, const Requirement& requirement);
+
+// The share of the demanded columns that meet the requirement; 1 when none is demanded.
+double served_share(const DrivePlan& plan, const Requirement& requirement,
+                    const std::vector<bool>& demanded);
+
+// The survey with its regular tags laid out so; digits are left empty.
+Survey with_layout(const Survey& survey, const Layout& layout);
+// The rig with its side cameras turned about the vertical to look so far forward.
+Rig with_alpha(const Rig& rig, std::optional<double> alpha);
+
+// ---- The search.
 
 // What the search may change. The spacing always varies.
 struct Freedom {

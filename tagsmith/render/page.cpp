@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

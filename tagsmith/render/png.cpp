@@ -12,7 +12,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/sheet_on_cairo.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/page_sheet.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
 #include "tagsmith/tag/printer_test.hpp"
 
 namespace tagsmith::detail {

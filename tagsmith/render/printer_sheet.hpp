@@ -5,7 +5,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/print_paper.hpp"
 #include "tagsmith/render/sheet.hpp"
-#include "tagsmith/tag/printer_profile.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 

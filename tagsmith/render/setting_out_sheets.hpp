@@ -9,7 +9,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
-#include "tagsmith/survey/setting_out.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/drawing_title.hpp"
+#include "tagsmith/render/sheet.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 

@@ -10,8 +10,8 @@
 
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/rig.hpp"
-#include "tagsmith/survey/setting_out.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {

@@ -12,7 +12,7 @@
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/expected_place.hpp"
-#include "tagsmith/survey/neighbour_heights.hpp"
+#include "tagsmith/survey/point_order.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/designed_line.hpp"
 
-#include "tagsmith/geometry/centerline.hpp"
-
 namespace tagsmith::detail {
 
 DesignedLine scaled(DesignedLine line, double factor) {

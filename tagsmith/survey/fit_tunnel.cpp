@@ -13,7 +13,6 @@
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/fit_plan.hpp"
-#include "tagsmith/survey/neighbour_heights.hpp"
 #include "tagsmith/survey/point_order.hpp"
 
 namespace tagsmith::detail {

@@ -8,8 +8,12 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/centerline.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Plates on the walls.
+
 namespace {
 
 GridPoint to_grid_point(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
@@ -107,6 +111,62 @@ PlacedTag with_digits(PlacedTag tag, const PositionCode& code, const Digits& dig
   tag.digits = digits;
   tag.coded_in_grid = {coded[0], coded[1], coded[2]};
   return tag;
+}
+
+// ---- In the words of who hangs them.
+
+double height_of_p(const Survey& survey, const PlacedTag& tag) {
+  return tag.world_from_plate.translation.z() -
+         survey.tunnel.centerline.at(tag.chainage).position.z();
+}
+
+double offset_of_p(const Survey& survey, const PlacedTag& tag) {
+  return survey.tunnel.centerline.locate(tag.world_from_plate.translation.head<2>()).offset;
+}
+
+double usual_tolerance(const Survey& survey) {
+  constexpr double kTapeAndLevel = 0.005;
+  return survey.states_sigma ? std::max(2 * survey.sigma, kTapeAndLevel) : kTapeAndLevel;
+}
+
+std::vector<SettingOut> setting_out(const Survey& survey, std::span<const PlacedTag* const> tags,
+                                    double tolerance) {
+  std::vector<SettingOut> list;
+  for (const PlacedTag* tag : tags) {
+    list.push_back(
+        {tag, tag->chainage, offset_of_p(survey, *tag), height_of_p(survey, *tag), tolerance});
+  }
+  return list;
+}
+
+// ---- The angle theta.
+
+namespace {
+
+// Part of the pitch by which a pair's stagger may differ from W_T tan(theta).
+// Why: docs/decisions/0015-closed-form-of-the-paper.md.
+constexpr double kStaggerMargin = 1.0 / 8;
+
+}  // namespace
+
+double heading_between(const PlacedTag& left, const PlacedTag& right) {
+  // A viewer's right is forward at the left wall and backward at the right wall.
+  const Eigen::Vector3d along =
+      left.world_from_plate.rotation.col(0) - right.world_from_plate.rotation.col(0);
+  return std::atan2(along.x(), along.y());
+}
+
+double pair_angle_for(const Survey& survey, const PlacedTag& left, const PlacedTag& right) {
+  const Eigen::Vector3d between = world_from_grid(survey.grid, right.p_in_grid - left.p_in_grid);
+  const double stagger = std::abs(between.dot(direction_of(heading_between(left, right))));
+  const double width = pair_width(survey.tunnel, left, right);
+  if (survey.series && survey.series->pair_angle) {
+    const double stated = *survey.series->pair_angle;
+    const double pitch = survey.tag_template.plate_length + survey.series->spacing;
+    const double difference = std::abs(stagger - width * std::tan(std::abs(stated)));
+    if (difference < kStaggerMargin * pitch) return std::abs(stated);
+  }
+  return std::atan2(stagger, width);
 }
 
 }  // namespace tagsmith::detail

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "tagsmith/survey/survey.hpp"
 
@@ -46,5 +48,44 @@ std::optional<PlacedTag> with_own_digits(PlacedTag tag, const PositionCode& code
 
 // The tag with these printed digits.
 PlacedTag with_digits(PlacedTag tag, const PositionCode& code, const Digits& digits);
+
+// ---- Where each plate goes, in the words of who hangs it.
+
+// Corner P of a tag: its address along the drive beside its coordinates. Metres.
+struct SettingOut {
+  const PlacedTag* tag = nullptr;
+  double chainage = 0;
+  double offset = 0;     // from the center line, negative = left of the drive
+  double height = 0;     // above the floor at P's chainage
+  double tolerance = 0;  // how far from here P may be hung
+};
+
+// Of corner P above the floor at its chainage.
+double height_of_p(const Survey& survey, const PlacedTag& tag);
+
+// Of corner P from the center line, negative = left of the drive.
+double offset_of_p(const Survey& survey, const PlacedTag& tag);
+
+// How far a plate may hang from its place unless the user says otherwise: twice the standard
+// deviation of a surveyed coordinate where the survey states it, but no less than what a tape and a
+// level can do.
+double usual_tolerance(const Survey& survey);
+
+std::vector<SettingOut> setting_out(const Survey& survey, std::span<const PlacedTag* const> tags,
+                                    double tolerance);
+
+// ---- The angle theta of the paper's method for two tags, which the localizer computes with and
+// the planner expects.
+
+// The angle theta for a tag on the left wall and one on the right. The one that the survey states,
+// when the tags' stagger along the drive is that of a pair, either way round, to an eighth of the
+// pitch; else, and when the survey states none, atan(|stagger| / W_T). The margin is for positions
+// like those of the paper's Table 4, which are 58 mm (a fourteenth of the pitch) off the theta that
+// its authors computed with; in the corridor as designed, tags of two different pairs are off by a
+// seventh.
+double pair_angle_for(const Survey& survey, const PlacedTag& left, const PlacedTag& right);
+
+// The heading of the drive (world frame) midway between two tags, from how their plates hang.
+double heading_between(const PlacedTag& left, const PlacedTag& right);
 
 }  // namespace tagsmith::detail

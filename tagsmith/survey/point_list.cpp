@@ -16,8 +16,8 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/length_units.hpp"
+#include "tagsmith/survey/limits.hpp"
 #include "tagsmith/survey/point_formats.hpp"
-#include "tagsmith/survey/tunnel_limits.hpp"
 
 namespace tagsmith::detail {
 namespace {

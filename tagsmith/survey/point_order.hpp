@@ -1,13 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a list of surveyed points runs along the drive.
+// Whether surveyed points agree with their neighbours along the drive.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/point_list.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Heights along a drive against those of their neighbours. Internal to tagsmith/survey.
+
+inline constexpr std::size_t kNeighboursBeside = 3;  // on either side, as far as there are any
+
+struct HeightStation {
+  double chainage = 0;  // metres, as all
+  double height = 0;
+  std::size_t index = 0;  // of the point
+};
+
+// How far each station lies above the line (Theil and Sen: the median slope of all pairs) through
+// its six neighbours, of which one or two may be wrong; at the ends that line is prolonged.
+// `stations` are in the order of their chainages. Nothing for fewer than seven.
+std::vector<double> offs_from_neighbours(const std::vector<HeightStation>& stations);
+
+// ---- Whether a list of surveyed points runs along the drive.
 
 // Fails where the points of one kind run back by metres, and names the points of which one alone
 // explains it: mostly two digits of a coordinate were exchanged. A fit would bend the tunnel

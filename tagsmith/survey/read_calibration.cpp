@@ -11,7 +11,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/camera_limits.hpp"
+#include "tagsmith/survey/limits.hpp"
 #include "tagsmith/survey/xml_document.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"

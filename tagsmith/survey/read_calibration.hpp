@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/camera_limits.hpp"
+#include "tagsmith/survey/limits.hpp"
 #include "tagsmith/survey/read_calibration.hpp"
 
 namespace tagsmith::detail {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/survey/file_kind.hpp"
+#include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith::detail {

@@ -7,18 +7,292 @@
 #include <dlfcn.h>
 #include <link.h>
 #include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/read_plate_parts.hpp"
-#include "tagsmith/survey/read_tag_geometry.hpp"
 #include "tagsmith/survey/yaml_file.hpp"
-#include "tagsmith/survey/yaml_reader.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/symbology/upca.hpp"
+#include "tagsmith/tag/drawing.hpp"
+#include "tagsmith/tag/label_fields.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
-namespace fs = std::filesystem;
+
+// ---- Feature frame and symbol.
+
 namespace {
+
+constexpr double kMostModules = 1000.0;
+constexpr int kLeastDotsPerInch = 50;
+constexpr int kMostDotsPerInch = 10'000;
+
+}  // namespace
+
+std::optional<Size> read_size(const YamlNode* node, const std::string& name, FindingLog& log) {
+  const auto values = read_numbers(node, name, 2, above_zero(kLargestPlate, "m"), log);
+  if (!values) return std::nullopt;
+  return Size{(*values)[0], (*values)[1]};
+}
+
+void read_feature_frame(const MapReader& frame, TagTemplate& tag) {
+  FindingLog& log = frame.log();
+  const auto inner = read_size(frame.need("inner", "inner: [length, height] in metres"),
+                               frame.name_of("inner"), log);
+  if (inner) {
+    tag.frame_inner_length = inner->width;
+    tag.frame_inner_height = inner->height;
+  }
+  tag.frame_stroke = frame.number("stroke", above_zero(1, "m")).value_or(0);
+  const auto offset = read_numbers(frame.find("offset"), frame.name_of("offset"), 2,
+                                   between(-kLargestPlate, kLargestPlate, "m"), log);
+  if (offset) {
+    tag.frame_offset_right = (*offset)[0];
+    tag.frame_offset_up = (*offset)[1];
+  }
+}
+
+void read_symbol(const MapReader& symbol, TagTemplate& tag) {
+  tag.quiet_zone_modules =
+      symbol.number("quiet_zone", between(kQuietZoneModules, kMostModules, "modules"))
+          .value_or(tag.quiet_zone_modules);
+  tag.margin_modules =
+      symbol.number("margin", between(0, kMostModules, "modules")).value_or(tag.margin_modules);
+  tag.dots_per_inch = read_integer(symbol.find("dots_per_inch"), symbol.name_of("dots_per_inch"),
+                                   kLeastDotsPerInch, kMostDotsPerInch, symbol.log())
+                          .value_or(0);
+}
+
+void check_symbol(const TagTemplate& tag, const MapReader& file) {
+  constexpr double kRounding = 1e-6;  // of lengths written in decimals
+  if (bar_height(tag) <= 0) {
+    file.log().error(
+        file.find("symbol")->place, "no-bars",
+        "the bars would be " + format_number(bar_height(tag)) + " m high, expected more than 0",
+        "a smaller margin or a higher inner frame");
+  }
+  if (tag.dots_per_inch > 0 &&
+      module_width(tag) < (1 - kRounding) * kMetresPerInch / tag.dots_per_inch) {
+    file.log().error(file.find("symbol")->place, "no-dots",
+                     "a module is narrower than one dot of " + std::to_string(tag.dots_per_inch) +
+                         " dots per inch",
+                     "a longer inner frame or a finer printer");
+  }
+}
+
+// ---- What stands beside feature frame and symbol.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+double read_millimetres(const MapReader& map, std::string_view key, double fallback) {
+  return kMillimetre * map.number_or(key, fallback / kMillimetre, above_zero(1000, "mm"));
+}
+
+std::string read_word(const MapReader& map, std::string_view key, std::string usual) {
+  return read_text(map.find(key), map.name_of(key), map.log()).value_or(std::move(usual));
+}
+
+// Text of which every field is known.
+std::optional<std::string> read_fields(const YamlNode* node, const std::string& name,
+                                       FindingLog& log) {
+  std::optional<std::string> text = read_text(node, name, log);
+  const std::optional<std::string> unknown = text ? unknown_field(*text) : std::nullopt;
+  if (!unknown) return text;
+  std::string known;
+  for (const std::string_view field : kLabelFields) known += fmt::format(" {{{}}}", field);
+  log.error(node->place, "unknown-field", name + " has " + *unknown + ", which is no field",
+            "the fields are" + known);
+  return std::nullopt;
+}
+
+void read_label(const MapReader& label, TagTemplate& tag) {
+  constexpr std::size_t kMostLines = 6;
+  FindingLog& log = label.log();
+  tag.label.shown = read_bool(label.find("shown"), label.name_of("shown"), log).value_or(true);
+  tag.label.text_height = read_millimetres(label, "text_height_mm", tag.label.text_height);
+  tag.label.left = read_word(label, "left", tag.label.left);
+  tag.label.right = read_word(label, "right", tag.label.right);
+  if (!label.has("lines")) return;
+  const std::vector<YamlNode>* lines = read_list(label.find("lines"), label.name_of("lines"), log);
+  if (lines == nullptr) return;
+  if (lines->empty() || lines->size() > kMostLines) {
+    log.error(label.find("lines")->place, "out-of-range",
+              fmt::format("label.lines has {} lines, expected 1 to {}", lines->size(), kMostLines),
+              lines->empty() ? "label: { shown: false } for plates without a label" : "");
+  }
+  for (const YamlNode& line : *lines) {
+    if (auto text = read_fields(&line, label.name_of("lines"), log)) {
+      tag.label.lines.push_back(std::move(*text));
+    }
+  }
+}
+
+void read_logo(const MapReader& logo, const fs::path& template_folder, TagTemplate& tag) {
+  const YamlNode* file = logo.need("file", "file: logo.svg, beside the template");
+  const auto name = read_text(file, logo.name_of("file"), logo.log());
+  const YamlNode* size = logo.need("size_mm", "size_mm: [width, height]");
+  const auto sides =
+      read_numbers(size, logo.name_of("size_mm"), 2, above_zero(1000, "mm"), logo.log());
+  if (!name || !sides) return;
+  tag.logo = {template_folder / *name, kMillimetre * (*sides)[0], kMillimetre * (*sides)[1]};
+  std::error_code ignored;
+  if (fs::is_regular_file(tag.logo.file, ignored)) return;
+  // Only print needs it.
+  logo.log().warning(file->place, "no-logo", "there is no file " + tag.logo.file.string(),
+                     "an SVG file; its name is relative to the template's folder");
+}
+
+void read_qr(const MapReader& qr, TagTemplate& tag) {
+  tag.qr.size = kMillimetre * qr.number("size_mm", above_zero(1000, "mm")).value_or(0);
+  if (!qr.has("content")) return;
+  tag.qr.content =
+      read_fields(qr.find("content"), qr.name_of("content"), qr.log()).value_or(tag.qr.content);
+}
+
+// Four holes, so far from the plate's edges.
+std::vector<DrillHole> corner_holes(const TagTemplate& tag, double inset, double diameter) {
+  const double right = tag.plate_length / 2 - inset;
+  const double up = tag.plate_height / 2 - inset;
+  return {{-right, up, diameter},
+          {right, up, diameter},
+          {right, -up, diameter},
+          {-right, -up, diameter}};
+}
+
+void read_holes(const MapReader& holes, TagTemplate& tag) {
+  constexpr std::size_t kMostHoles = 100;
+  FindingLog& log = holes.log();
+  holes.exclude_each_other({"inset_mm", "at"});
+  const auto diameter = holes.number("diameter_mm", above_zero(1000, "mm"));
+  if (!diameter) return;
+  if (holes.has("inset_mm")) {
+    tag.holes = corner_holes(tag, read_millimetres(holes, "inset_mm", 0), kMillimetre * *diameter);
+    return;
+  }
+  const YamlNode* at = holes.need("at", "at: [[right, up], ...] in metres, or inset_mm: 12");
+  if (at == nullptr) return;
+  const auto* points = read_list(at, holes.name_of("at"), log);
+  if (points == nullptr) return;
+  if (points->size() > kMostHoles) {
+    log.error(at->place, "out-of-range", "more than 100 holes, expected at most 100", "");
+    return;
+  }
+  for (const YamlNode& node : *points) {
+    const auto point = read_numbers(&node, holes.name_of("at"), 2,
+                                    between(-kLargestPlate, kLargestPlate, "m"), log);
+    if (point) tag.holes.push_back({(*point)[0], (*point)[1], kMillimetre * *diameter});
+  }
+}
+
+void read_cut(const MapReader& cut, TagTemplate& tag) {
+  tag.cut.contour =
+      read_bool(cut.find("contour"), cut.name_of("contour"), cut.log()).value_or(false);
+  tag.cut.corner_radius =
+      kMillimetre * cut.number_or("corner_radius_mm", 0, between(0, 1000, "mm"));
+}
+
+// True when the disk and the rectangle have a point in common.
+bool touches(const HoleOutline& hole, const Rectangle& box) {
+  const double right = std::max({box.x - hole.centre.x, hole.centre.x - box.x - box.width, 0.0});
+  const double down = std::max({box.y - hole.centre.y, hole.centre.y - box.y - box.height, 0.0});
+  return std::hypot(right, down) < hole.radius;
+}
+
+bool lies_inside(const HoleOutline& hole, const Rectangle& box) {
+  return hole.centre.x - hole.radius >= box.x && hole.centre.y - hole.radius >= box.y &&
+         hole.centre.x + hole.radius <= box.x + box.width &&
+         hole.centre.y + hole.radius <= box.y + box.height;
+}
+
+Rectangle grown(const Rectangle& box, double by) {
+  return {box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by};
+}
+
+// Holes belong on the plate, off everything that is printed there.
+void check_holes(const TagTemplate& tag, const TagDrawing& drawing, const MapReader& file) {
+  constexpr double kRounding = 1e-9;
+  const Rectangle plate = grown(drawing.plate, kRounding - kEdgeClearance);
+  const Rectangle frame = grown(drawing.frame_outer, label_clearance(tag));
+  for (std::size_t i = 0; i < drawing.holes.size(); ++i) {
+    const HoleOutline& hole = drawing.holes[i];
+    std::string problem;
+    if (!lies_inside(hole, plate)) problem = "is less than 3 mm from the plate's edge";
+    if (touches(hole, frame)) problem = "lies on the feature frame or too near to it";
+    const bool strip_is_used = tag.label.shown || drawing.patches || drawing.qr || drawing.logo;
+    if (strip_is_used && touches(hole, strip_below_frame(tag))) {
+      problem = "lies in the strip of the label, below the feature frame";
+    }
+    if (problem.empty()) continue;
+    file.log().error(file.find("holes")->place, "hole-misplaced",
+                     "hole " + std::to_string(i + 1) + ", " +
+                         format_number(tag.holes[i].right * 1e3) + " mm right of the plate's " +
+                         "middle and " + format_number(tag.holes[i].up * 1e3) + " mm up, " +
+                         problem,
+                     "holes go between the feature frame and the plate's edge");
+  }
+}
+
+// Each of the parts beside the label has its room in the strip below the feature frame.
+void check_strip(const TagTemplate& tag, const TagDrawing& drawing, const MapReader& file) {
+  const Rectangle strip = strip_below_frame(tag);
+  const auto check = [&](const char* key, const char* rule, const char* what, bool stands,
+                         double width, double height) {
+    if (!file.has(key) || stands) return;
+    file.log().error(
+        file.find(key)->place, rule,
+        fmt::format("{} of {} x {} mm: the strip below the feature frame is {} mm high, and each "
+                    "part beside the label may take half of its free length",
+                    what, mm_text(width, 1), mm_text(height, 1),
+                    mm_text(std::max(strip.height, 0.0), 1)),
+        fmt::format("a smaller {}, or feature_frame.offset that moves the frame up", key));
+  };
+  check("patches", "no-room-for-patches", "the reference patches", drawing.patches.has_value(),
+        2 * tag.patch_size, tag.patch_size);
+  check("qr", "no-room-for-qr", "the QR symbol", drawing.qr.has_value(), tag.qr.size, tag.qr.size);
+  check("logo", "no-room-for-logo", "the logo", drawing.logo.has_value(), tag.logo.width,
+        tag.logo.height);
+}
+
+// Label, holes, patches, logo, QR symbol and cut; the logo's file is sought in the folder.
+void read_plate_parts(const MapReader& file, const fs::path& template_folder, TagTemplate& tag) {
+  FindingLog& log = file.log();
+  read_label(MapReader(file.find("label"), "label",
+                       {"shown", "text_height_mm", "lines", "left", "right"}, log),
+             tag);
+  if (file.has("holes")) {
+    read_holes(MapReader(file.find("holes"), "holes", {"diameter_mm", "inset_mm", "at"}, log), tag);
+  }
+  if (file.has("patches")) {
+    const MapReader patches(file.find("patches"), "patches", {"size_mm"}, log);
+    tag.patch_size = kMillimetre * patches.number("size_mm", above_zero(1000, "mm")).value_or(0);
+  }
+  if (file.has("logo")) {
+    read_logo(MapReader(file.find("logo"), "logo", {"file", "size_mm"}, log), template_folder, tag);
+  }
+  if (file.has("qr")) read_qr(MapReader(file.find("qr"), "qr", {"size_mm", "content"}, log), tag);
+  read_cut(MapReader(file.find("cut"), "cut", {"contour", "corner_radius_mm"}, log), tag);
+}
+
+// All of it has its place on the plate.
+void check_plate_parts(const TagTemplate& tag, const MapReader& file) {
+  const double least_side = std::min(tag.plate_length, tag.plate_height);
+  if (tag.cut.corner_radius > least_side / 2) {
+    file.log().error(file.find("cut")->place, "corner-radius",
+                     "corners of " + format_number(tag.cut.corner_radius * 1e3) +
+                         " mm radius, expected at most half the plate's shorter side",
+                     "");
+  }
+  const TagDrawing drawing = draw_tag(tag, Digits{});
+  check_strip(tag, drawing, file);
+  check_holes(tag, drawing, file);
+}
+
+// ---- The file.
 
 void check_dimensions(const TagTemplate& tag, const MapReader& file) {
   const double needed_length =
@@ -127,9 +401,7 @@ std::string own_templates() {
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
   }
   std::ranges::sort(names);
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 fs::path data_directory() {

@@ -3,9 +3,12 @@
 // which the build takes into the program: a rule is written down once.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string_view>
 #include <vector>
+
+#include "tagsmith/base/diagnostic.hpp"
 
 namespace tagsmith::detail {
 
@@ -26,5 +29,24 @@ const Rule* find_rule(std::string_view code, std::span<const Rule> among);
 // By which files of surveys, rigs, templates, runs and boards are checked: docs/rules.md.
 std::span<const Rule> rules();
 const Rule* find_rule(std::string_view code);
+
+// ---- Comments in a file that allow what a rule warns of, each with its reason.
+
+// Rules whose findings may come from the survey and another file together, a rig or a second
+// survey: a comment that allows one is no idle one where that file was not given.
+inline constexpr std::string_view kUnseenTagRule = "unseen-tag";
+inline constexpr std::string_view kExchangedCodeRule = "exchanged-code";
+
+// Removes the warnings about `file` that a comment `# tagsmith: allow RULE: REASON` in its text
+// allows: on the line of the finding, on a line of its own before it, or anywhere for a finding
+// about the whole file. Errors stay. Adds a finding for each such comment that names no rule, gives
+// no reason, or allows nothing.
+std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std::string_view text,
+                                        const std::string& file);
+
+// The warnings about a file that its comments do not allow, and nothing about the comments. All of
+// them when the file cannot be read.
+std::vector<Diagnostic> allowed_removed(std::vector<Diagnostic> diagnostics,
+                                        const std::filesystem::path& file);
 
 }  // namespace tagsmith::detail

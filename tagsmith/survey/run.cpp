@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -13,7 +12,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
-#include "tagsmith/survey/tunnel_limits.hpp"
+#include "tagsmith/survey/limits.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;

@@ -9,12 +9,15 @@
 
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/survey/allowances.hpp"
-#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/rules.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
 namespace tagsmith::detail {
+
+// Whether a file whose first key should be `key` (survey, rig, tag or board) is of another
+// kind. Then that is logged, as one error instead of one for each of its keys.
+bool is_other_kind(const YamlNode& root, std::string_view key, FindingLog& log);
 
 // Of a file whose first key is `key`: what `read_root` makes of its root, unless there is an error.
 template <class T, class ReadRoot>

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -53,6 +53,12 @@ TEST_CASE("letters change their case, words come apart, quotes are doubled withi
   CHECK(single_quoted("a 'b' c") == "'a ''b'' c'");
 }
 
+TEST_CASE("one thing is counted without an s") {
+  CHECK(counted(0, "file") == "0 files");
+  CHECK(counted(1, "position tag") == "1 position tag");
+  CHECK(counted(2, "file") == "2 files");
+}
+
 TEST_CASE("zeros that say nothing are not written") {
   CHECK(format_number(1.5) == "1.5");
   CHECK(format_number(300, 0) == "300");

@@ -13,8 +13,8 @@
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/survey_options.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"

@@ -15,7 +15,7 @@
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
-#include "decoder/reader/survey_options.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"

@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/survey/read_board.hpp"
+#include "tagsmith/survey/board_file.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 

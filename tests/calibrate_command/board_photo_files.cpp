@@ -6,7 +6,7 @@
 
 #include "decoder/image/load.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/survey/write_board.hpp"
+#include "tagsmith/survey/board_file.hpp"
 
 namespace tagsmith::detail::test {
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/feature_frame/bar_direction.hpp"
-
 #include <random>
 
 #include <doctest/doctest.h>
 
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;

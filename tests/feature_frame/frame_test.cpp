@@ -5,10 +5,10 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/coarse_fit.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
-#include "decoder/feature_frame/regions.hpp"
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/tone_curve.hpp"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which part of a side shows its edge, by samples made for it.
-#include "decoder/feature_frame/shown_part.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/feature_frame/fitted_side.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "tests/support/seen_tag.hpp"
 

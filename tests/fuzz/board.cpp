@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/read_board.hpp"
+#include "tagsmith/survey/board_file.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 using namespace tagsmith::detail;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/ledger/ledger_report.hpp"
-
 #include <regex>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "decoder/ledger/plate_history.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/ledger/ledger_file.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/ledger/trend.hpp"
-
 #include <random>
 
 #include <doctest/doctest.h>
+
+#include "decoder/ledger/plate_history.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
+#include "decoder/localize/joint_model.hpp"
 #include "decoder/localize/plate_pose.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/localize/site.hpp"

@@ -16,7 +16,6 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/centerline.hpp"
-#include "tagsmith/survey/pair_angle.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"

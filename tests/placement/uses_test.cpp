@@ -10,7 +10,7 @@
 
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
-#include "tagsmith/placement/layout.hpp"
+#include "tagsmith/placement/optimise.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 #include "tagsmith/placement/sight.hpp"
 #include "tagsmith/placement/tunnel_surfaces.hpp"

@@ -8,8 +8,8 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/load.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/survey_options.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"

@@ -17,7 +17,6 @@
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
-#include "decoder/feature_frame/regions.hpp"
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/transform.hpp"
 #include "decoder/reader/reader.hpp"

@@ -12,7 +12,6 @@
 
 #include "decoder/reader/cut_frame.hpp"
 #include "decoder/reader/part_reading.hpp"
-#include "decoder/reader/part_search.hpp"
 #include "decoder/reader/read_part.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tests/support/seen_tag.hpp"

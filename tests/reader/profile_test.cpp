@@ -5,7 +5,6 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/reader/agreeing_rows.hpp"
 #include "decoder/reader/common_darkness.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_rows.hpp"

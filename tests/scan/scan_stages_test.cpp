@@ -10,7 +10,6 @@
 #include <doctest/doctest.h>
 
 #include "decoder/scan/characters.hpp"
-#include "decoder/scan/corrupted_digits.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/decode_part.hpp"
 #include "decoder/scan/decoding.hpp"
@@ -25,6 +24,7 @@
 #include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/symbol_fit.hpp"
 #include "decoder/scan/symbol_places.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tests/scan/made_profile.hpp"
 
 using namespace tagsmith::detail;

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/survey/read_board.hpp"
+#include "tagsmith/survey/board_file.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"

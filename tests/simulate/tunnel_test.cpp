@@ -7,7 +7,6 @@
 #include <doctest/doctest.h>
 
 #include "decoder/simulate/survey_view.hpp"
-#include "decoder/simulate/tunnel_backdrop.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/tunnel_surfaces.hpp"
 

@@ -8,9 +8,9 @@
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
-#include "tagsmith/survey/setting_out.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 

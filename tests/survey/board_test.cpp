@@ -3,9 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "tagsmith/survey/read_board.hpp"
+#include "tagsmith/survey/board_file.hpp"
 #include "tagsmith/survey/rig.hpp"
-#include "tagsmith/survey/write_board.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 

@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
-#include "tagsmith/survey/setting_out.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 

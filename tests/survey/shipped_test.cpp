@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/read_board.hpp"
+#include "tagsmith/survey/board_file.hpp"
 #include "tagsmith/survey/read_printer.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"

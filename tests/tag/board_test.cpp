@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tagsmith/tag/printer_dots.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 using namespace tagsmith::detail;
 using doctest::Approx;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/tag/printer_dots.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/tag/printer.hpp"
 #include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith::detail;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/verify/child_process.hpp"
-
 #include <chrono>
 #include <unistd.h>
 
 #include <doctest/doctest.h>
+
+#include "decoder/verify/rasterize.hpp"
 
 namespace tagsmith::detail {
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/verify/frame_bow.hpp"
-
 #include <cmath>
 #include <string>
 
@@ -9,6 +7,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
+#include "decoder/verify/findings.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/verify/grade_tags.hpp"
-
 #include <cmath>
 
 #include <doctest/doctest.h>
 
 #include "decoder/image/tone_curve.hpp"
+#include "decoder/verify/verify_file.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/verify/survey_of_four.hpp"
 

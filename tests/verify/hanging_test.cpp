@@ -12,7 +12,7 @@
 
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
-#include "decoder/verify/mirrored.hpp"
+#include "decoder/verify/evidence.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/verify/survey_of_four.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/file_kind.hpp"
+#include "tagsmith/survey/yaml_file.hpp"
 
 #include <algorithm>
 #include <array>

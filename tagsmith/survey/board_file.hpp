@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of calibration boards, as `tagsmith board` writes and their users complete them.
+// Files of calibration boards.
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/tag/board.hpp"
 
 namespace tagsmith::detail {
+
+// ---- Files of calibration boards, as `tagsmith board` writes and their users complete them.
 
 // How exactly a board is taken to be measured where its file does not say: what a hand with a steel
 // rule or a tape does. Metres.
@@ -21,5 +24,12 @@ Result<Diagnosed<Board>> read_board(const std::filesystem::path& path);
 
 // The board of a file without errors; fails with all of its findings.
 Result<Board> load_board(const std::filesystem::path& path);
+
+// ---- The file of a calibration board, for the board's user to complete.
+
+// All that readers need of the board, with comments that say what its lengths are and how to
+// measure the print: `measured` is a comment until the user has done so. What read_board makes of
+// it is the board, its scale apart.
+std::string board_file_text(const Board& board);
 
 }  // namespace tagsmith::detail

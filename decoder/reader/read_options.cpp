@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/reader/survey_options.hpp"
+#include "decoder/reader/read_options.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <optional>
 
 #include <Eigen/Core>
 
