@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -439,8 +440,19 @@ CalibrationNotes notes_of(const BoardCalibration& result) {
   return notes;
 }
 
-// The rig's new text. It must load with the camera's file, which is not in its place yet: it is
-// checked with the file where it waits.
+// Errors that a change brought. Other cameras of a rig may lack their calibrations yet.
+std::vector<Diagnostic> added_errors(const std::vector<Diagnostic>& now,
+                                     const std::vector<Diagnostic>& before) {
+  std::vector<Diagnostic> added;
+  std::ranges::copy_if(now, std::back_inserter(added), [&](const Diagnostic& one) {
+    return one.severity == Severity::error &&
+           std::ranges::find(before, one.message, &Diagnostic::message) == before.end();
+  });
+  return added;
+}
+
+// The rig's new text. It must have no error that it had not, with the camera's file, which is not
+// in its place yet: it is checked with the file where it waits.
 Result<std::string> rig_text(const BoardCalibrationOptions& options, const BoardCalibration& result,
                              const std::string& camera_file) {
   Result<std::string> text = read_file(options.rig);
@@ -457,9 +469,15 @@ Result<std::string> rig_text(const BoardCalibrationOptions& options, const Board
   const auto trial = rig_with_calibration(*text, options.camera, staged);
   if (!trial) return fail(options.rig + ": " + trial.error().message);
   const Diagnosed<Rig> reading = read_rig_text(options.rig, *trial);
-  if (!reading.value) {
+  const std::vector<Diagnostic> added =
+      added_errors(reading.diagnostics, read_rig_text(options.rig, *text).diagnostics);
+  if (!added.empty()) {
     return fail("the rig cannot take this camera, and nothing was written:\n" +
-                to_string(reading.diagnostics, true));
+                to_string(added, true));
+  }
+  if (!reading.value) {
+    to_stderr("tagsmith calibrate: the rig takes this camera; what it still lacks:\n{}",
+              to_string(reading.diagnostics, true));
   }
   return rig_with_calibration(*text, options.camera, intrinsics);
 }

@@ -271,6 +271,27 @@ TEST_CASE("--rig takes the camera over, keeps comments and loads") {
   CHECK(has(text, "cx: 640, cy: 480, yaw: -90 }\n"));
 }
 
+TEST_CASE("--rig takes a camera over while another one of the rig lacks its calibration yet") {
+  const TemporaryFolder folder;
+  const fs::path rig = folder.path() / "rig.yaml";
+  REQUIRE(write_file(rig,
+                     "rig: crawler\n"
+                     "cameras:\n"
+                     "  left:  { calibration: left.yaml, alpha: 35, side: left }\n"
+                     "  right: { calibration: right.yaml, alpha: 35, side: right }\n"
+                     "vehicle: { height: 0.24 }\n"));
+  const fs::path file = folder.path() / "left.yaml";
+  const ProgramOutput output = run_calibrate(good_board() + good_photos() + "-o " + file.string() +
+                                             " --rig " + rig.string() + " --camera left");
+  CHECK_MESSAGE(output.exit_code == 0, output.err);
+  CHECK(has(output.err, "what it still lacks"));
+  CHECK(has(output.err, "right.yaml: no such file"));
+  CHECK(fs::exists(file));
+  const std::string text = read_file(rig).value();
+  CHECK_MESSAGE(has(text, "sigma: { focal"), text);
+  CHECK(has(text, "  right: { calibration: right.yaml, alpha: 35, side: right }\n"));
+}
+
 TEST_CASE("a rig that cannot take the camera stays as it is, and nothing is written") {
   const TemporaryFolder folder;
   const fs::path rig = folder.path() / "rig.yaml";
