@@ -219,6 +219,10 @@ std::string uncertainty(HangDoubt doubt) {
     case HangDoubt::rig:
       return ". Not certain: another calibration of the rig, or frames that are all of another "
              "size, would explain it, too";
+    case HangDoubt::block:
+      return ". Not certain: a slip in the tape or the traverse, from which on all plates hang "
+             "elsewhere, would explain it, too: measure the distance to the next plates on either "
+             "side";
     case HangDoubt::rest:
       return ". Not certain: too few tags beyond doubt were seen with it. Photograph it once more "
              "together with two others";

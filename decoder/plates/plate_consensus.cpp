@@ -312,6 +312,11 @@ class Judge {
     PlateCheck& check = result_.plates[plate];
     check.doubt = doubt_of(plate);
     if (check.doubt == HangDoubt::rivals) return;
+    // Another size and another place are two mistakes. A block of plates that hang elsewhere is
+    // one, and where its first plate is seen with both sides, it is pulled both ways as if it were
+    // larger or smaller.
+    const bool takes_two = check.scale && check.scale->cause == FrameScale::Cause::size_and_place;
+    if (check.doubt == HangDoubt::none && takes_two) check.doubt = HangDoubt::block;
     check.verdict = check.doubt == HangDoubt::none ? HangVerdict::off : HangVerdict::doubtful;
     check.log_odds = least_deficit_ / 2;
   }

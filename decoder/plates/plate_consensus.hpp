@@ -25,6 +25,7 @@ enum class HangDoubt {
   rivals,  // other plates
   row,     // pictures that were not taken together, or another copy of the plate in some of them
   rig,     // the rig's calibration, or the size of all frames
+  block,   // a slip in the survey's chain, from which on all plates hang elsewhere
   rest,    // too little is left that judges it, or it is chance
 };
 

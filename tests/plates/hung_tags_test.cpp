@@ -102,6 +102,21 @@ VerifiedFile photo_of(const std::string& tag, const Survey& survey) {
 
 }  // namespace
 
+TEST_CASE(
+    "a frame of another size that hangs elsewhere takes two mistakes: named, and not certain") {
+  // One that hangs elsewhere is certain. A block of plates that hang further along looks like both.
+  for (const bool is_small : {false, true}) {
+    CAPTURE(is_small);
+    Corridor corridor;
+    if (is_small) corridor.small = "002R";
+    Pose& pose = corridor.at("002R");
+    pose.translation += pose.rotation * Vector3d(0.06, 0.04, 0.02);
+    const HungTag tag = corridor.judged("002R");
+    CHECK(tag.rule == "moved");
+    CHECK(tag.verdict == (is_small ? HangVerdict::doubtful : HangVerdict::off));
+  }
+}
+
 TEST_CASE("what is off is told as who faces the wall has to mend it") {
   struct Case {
     Vector3d shift;  // of the plate, right, down, into the wall
