@@ -78,6 +78,7 @@ Fix locate(const Measurement& measurement, const FollowInput& input, LiveDrive& 
     return input.locate(measurement, surveys, prior, seen);
   };
   Fix fix = drive.next(one, input.track ? measurement.time : std::nullopt);
+  for (const std::string& words : drive.told()) to_stderr("localize: {}\n", words);
   return input.confirmed ? if_confirmed(std::move(fix)) : fix;
 }
 

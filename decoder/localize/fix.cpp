@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -6,20 +6,20 @@
 namespace tagsmith::detail {
 
 LiveDrive::LiveDrive(std::vector<Survey> surveys, const Rig& rig)
-    : surveys_(std::move(surveys)), rig_(&rig), aside_(surveys_) {}
+    : rig_(&rig), aside_(std::move(surveys)) {}
 
 Fix LiveDrive::next(const LocateOne& locate, std::optional<double> time) {
   const auto prior =
-      time && track_ ? prior_at(*track_, *time, surveys_, MotionModel{}) : std::nullopt;
+      time && track_ ? prior_at(*track_, *time, aside_.all(), MotionModel{}) : std::nullopt;
   Observation seen;
   Fix fix = locate(aside_.surveys(), prior, seen);
   const RunCheck check = aside_.learn(std::move(seen), fix, *rig_);
   if (!check.aside.empty()) fix = locate(aside_.surveys(), prior, seen);
-  for (const SetAside& tag : check.aside) {
-    fix.notes.push_back("set aside from here on: " + tag.message);
-  }
-  if (time) fix = follow_track(track_, std::move(fix), *time, surveys_);
-  fix = doubts_.judged(std::move(fix), surveys_, *rig_);
+  told_.clear();
+  for (const SetAside& tag : check.aside) told_.push_back("set aside from here on: " + tag.message);
+  fix.notes.insert(fix.notes.end(), told_.begin(), told_.end());
+  if (time) fix = follow_track(track_, std::move(fix), *time, aside_.all());
+  fix = doubts_.judged(std::move(fix), aside_.all(), *rig_);
   const bool doubt_rig = fix.doubt.empty() && !check.rig_doubt.empty();
   return doubt_rig ? doubted(std::move(fix), "the rig is in doubt: " + check.rig_doubt) : fix;
 }

@@ -34,12 +34,15 @@ class LiveDrive {
   // that the rig or the positions are not to be relied on, a note says why and nothing confirms it.
   Fix next(const LocateOne& locate, std::optional<double> time);
 
+  // The notes of the last measurement on tags that are set aside.
+  const std::vector<std::string>& told() const { return told_; }
+
  private:
-  std::vector<Survey> surveys_;
   const Rig* rig_;
   std::optional<LiveTrack> track_;
   LiveSetAside aside_;
   LiveDoubts doubts_;
+  std::vector<std::string> told_;
 };
 
 }  // namespace tagsmith::detail

@@ -430,7 +430,7 @@ GroupShift shift_of(Network& network, const AdjustmentState& state,
   for (Index i = 0; i < 6 * count; ++i) unit(columns[static_cast<std::size_t>(i)], i) = 1;
   const MatrixXd posterior = normals.solve(unit)(columns, Eigen::all);
   const WithoutPrior told = without_prior(moved, posterior, prior);
-  GroupShift shift;
+  GroupShift shift{plates};
   for (Index i = 0; i < count; ++i) {
     shift.shift += told.mean.segment<3>(6 * i) / static_cast<double>(count);
     for (Index j = 0; j < count; ++j) {

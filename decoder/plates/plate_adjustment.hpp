@@ -28,6 +28,7 @@ struct PlateOffset {
 // How far the corners P of a group of plates are from their surveyed places on the mean, world
 // axes, metres, by everything but the surveyed places of these plates.
 struct GroupShift {
+  std::vector<std::size_t> plates;  // the group, by index
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };

@@ -42,7 +42,8 @@ class LiveSetAside {
   explicit LiveSetAside(std::vector<Survey> surveys)
       : surveys_(std::move(surveys)), left_(surveys_) {}
 
-  // The surveys without the tags that are set aside.
+  // The surveys as they are, and without the tags that are set aside.
+  const std::vector<Survey>& all() const { return surveys_; }
   const std::vector<Survey>& surveys() const { return left_; }
 
   // Takes what a measurement showed of tags of surveys() and the position that was made of it.

@@ -353,16 +353,15 @@ AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::siz
   return tag;
 }
 
-ControlGroup control_group(const Site& site, const std::vector<std::size_t>& plates,
-                           const GroupShift& told) {
+ControlGroup control_group(const Site& site, const GroupShift& told) {
   constexpr double kNothing = 10;  // metres
   ControlGroup group;
   Matrix3d covariance = told.covariance;
-  for (const std::size_t plate : plates) {
+  for (const std::size_t plate : told.plates) {
     const SightedPlate& own = site.drive.plates[plate];
     group.tags.push_back(own.name);
     // A station's mistake is common to all.
-    covariance += Matrix3d(own.survey_variance.head<3>().asDiagonal()) / plates.size();
+    covariance += Matrix3d(own.survey_variance.head<3>().asDiagonal()) / told.plates.size();
   }
   group.shift = told.shift.norm();
   group.chi_square = squared_mahalanobis(told.shift, covariance);
@@ -379,9 +378,8 @@ AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adju
     const bool was_control = std::ranges::find(control, tag.name) != control.end();
     result.tags.push_back(as_built_tag(site, adjustment, i, tag, was_control));
   }
-  const auto groups = control_groups(site);
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    result.groups.push_back(control_group(site, groups[i], adjustment.groups[i]));
+  for (const GroupShift& group : adjustment.groups) {
+    result.groups.push_back(control_group(site, group));
   }
   result.cut_off = site.cut_off;
   for (const Station& station : site.drive.stations) {

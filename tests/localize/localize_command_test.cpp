@@ -468,6 +468,7 @@ TEST_CASE("live measurements set a tag aside once those before show where it han
   const ProgramOutput output =
       run_tagsmith("localize '" + file + "' --rig surveys/corridor/rig.yaml --follow < '" +
                    file_with(folder.path() / "input", input) + "'");
+  CHECK(output.err.find("set aside from here on: 001R hangs") != std::string::npos);
   const std::vector<json> lines = json_lines(output.out);
   REQUIRE(lines.size() == 6);
   // Nothing tells which of two tags is off, or whether the two photos were taken together.
