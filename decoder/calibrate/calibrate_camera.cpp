@@ -2,11 +2,14 @@
 #include "decoder/calibrate/calibrate_camera.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "decoder/calibrate/start_calibration.hpp"
@@ -17,6 +20,7 @@ namespace tagsmith::detail {
 namespace {
 
 using Eigen::Index;
+using Eigen::Vector2d;
 
 constexpr int kResiduals = 8;               // of a tag
 constexpr double kMedianChiSquare = 7.344;  // of eight degrees of freedom
@@ -113,20 +117,31 @@ AdjustmentOptions options_of(const CameraForm& form) {
 struct RobustFit {
   CalibrationProblem problem;
   CalibrationState state;
-  double cost = 0;  // of all tags, misfits included, each by the root of its chi-square
+  std::size_t parameters = 0;  // of the lens form
 };
+
+// Chi-square of all tags, residuals so much larger than stated, a misfit as the least misfit, and
+// twice the number of parameters (Akaike 1974).
+double akaike_cost(const RobustFit& fit, double factor) {
+  const double most = outlier_limit(count_tags(fit.problem));
+  double cost = 2.0 * static_cast<double>(fit.parameters);
+  for (std::size_t i = 0; i < fit.problem.sightings.size(); ++i) {
+    for (const TagObservation& tag : fit.problem.sightings[i].tags) {
+      const double chi_square = tag_chi_square(fit.problem, fit.state, i, tag);
+      cost += std::min(chi_square / (factor * factor), most);
+    }
+  }
+  return cost;
+}
 
 // By tags counted linearly beyond three standard deviations, in steps of what the median tag says
 // that a standard deviation is.
-RobustFit robust_fit(CalibrationProblem problem, LensModel lens) {
+RobustFit robust_fit(const CalibrationProblem& problem, const CalibrationState& start,
+                     const LensForm& lens) {
   constexpr double kHuber = 3 * 2.8;  // eight residuals have the length 2.8
   constexpr int kRounds = 6;
-  RobustFit fit{std::move(problem), {}};
-  fit.state = start_calibration(fit.problem, lens);
-  const auto forms = lens_forms(lens);
-  // The eight-parameter form, which may bend where no corner is, takes no part before misfits are
-  // out.
-  AdjustmentOptions options = options_of({forms[lens == LensModel::fisheye ? 2 : 4], false});
+  RobustFit fit{problem, start, lens.coefficients};
+  AdjustmentOptions options = options_of({lens, false});
   options.huber = kHuber;
   for (int round = 0; round < kRounds; ++round) {
     options.scale = robust_factor(fit.problem, fit.state);
@@ -136,13 +151,91 @@ RobustFit robust_fit(CalibrationProblem problem, LensModel lens) {
     const bool tags = round > 0 && mark_tags(fit.problem, fit.state, factor);
     if (round > 0 && !sightings && !tags && factor > 0.9 * options.scale) break;
   }
-  fit.cost = 0;
-  for (std::size_t i = 0; i < fit.problem.sightings.size(); ++i) {
-    for (const TagObservation& tag : fit.problem.sightings[i].tags) {
-      fit.cost += std::sqrt(tag_chi_square(fit.problem, fit.state, i, tag));
+  return fit;
+}
+
+// The farthest corner that fits, from the principal point.
+double seen_radius(const CalibrationProblem& problem, const Camera& camera) {
+  double farthest = 0;
+  for (const BoardSighting& sighting : problem.sightings) {
+    if (!sighting.used) continue;
+    for (const TagObservation& tag : sighting.tags) {
+      if (!tag.used) continue;
+      for (Index i = 0; i < 4; ++i) {
+        const Vector2d corner = tag.pixels.segment<2>(2 * i) - Vector2d(camera.cx, camera.cy);
+        farthest = std::max(farthest, corner.norm());
+      }
     }
   }
-  return fit;
+  return farthest;
+}
+
+// The eight-parameter form whose curve is the fisheye's up to the angle `outermost`: its six radial
+// coefficients by linear least squares from r (1 + k1 s + k2 s^2 + k3 s^3) =
+// d (1 + k4 s + k5 s^2 + k6 s^3), where r is the tangent of an angle, s its square and d the
+// distorted radius.
+Camera as_perspective(const Camera& fisheye, double outermost) {
+  constexpr int kPoints = 40;
+  Eigen::Matrix<double, kPoints, 6> rows;
+  Eigen::Matrix<double, kPoints, 1> right;
+  for (int i = 0; i < kPoints; ++i) {
+    const double r = std::tan(outermost * (i + 1) / kPoints);
+    const double s = r * r;
+    const double d = (project(fisheye, {r, 0, 1})->x() - fisheye.cx) / fisheye.fx;
+    rows.row(i) << r * s, r * s * s, r * s * s * s, -d * s, -d * s * s, -d * s * s * s;
+    right[i] = d - r;
+  }
+  const Eigen::Matrix<double, 6, 1> k = rows.completeOrthogonalDecomposition().solve(right);
+  Camera camera = fisheye;
+  camera.lens = LensModel::perspective;
+  camera.distortion = {k[0], k[1], 0, 0, k[2], k[3], k[4], k[5]};
+  return camera;
+}
+
+// The eight-parameter form from where the fisheye ended; nothing beyond 80 degrees from the axis,
+// where a plane z = 1 cannot be followed.
+std::optional<RobustFit> perspective_like(const CalibrationProblem& problem,
+                                          const RobustFit& fisheye) {
+  constexpr double kWidest = 1.4;  // radians
+  const Camera& camera = fisheye.state.camera;
+  const double farthest = seen_radius(fisheye.problem, camera);
+  const auto ray = ray_through(camera, {camera.cx + farthest, camera.cy});
+  if (!ray) return std::nullopt;
+  const double outermost = std::atan2(ray->x(), ray->z());
+  if (outermost > kWidest) return std::nullopt;
+  CalibrationState start = fisheye.state;
+  start.camera = as_perspective(camera, outermost);
+  return robust_fit(problem, start, lens_forms(LensModel::perspective)[5]);
+}
+
+// The best fit of each lens model, the better model first.
+struct BestFits {
+  RobustFit better;
+  RobustFit other;
+  bool comparable = false;
+};
+
+BestFits best_fits(const CalibrationProblem& problem) {
+  constexpr double kComparable = 1.5;  // of residuals: the form that wins is never so far off
+  const auto perspective = lens_forms(LensModel::perspective);
+  const auto fit_from_grid = [&](LensModel lens, const LensForm& form) {
+    return robust_fit(problem, start_calibration(problem, lens), form);
+  };
+  // Fisheye, perspective; then the eight-parameter form, which may bend where no corner is, from
+  // where they ended. It counts where no other form explains as much: tags near the border of a
+  // wide picture may contradict all forms but this one.
+  std::vector<RobustFit> fits{fit_from_grid(LensModel::fisheye, lens_forms(LensModel::fisheye)[2]),
+                              fit_from_grid(LensModel::perspective, perspective[4])};
+  fits.push_back(robust_fit(problem, fits[1].state, perspective[5]));
+  if (auto like = perspective_like(problem, fits[0])) fits.push_back(std::move(*like));
+  double factor = std::numeric_limits<double>::infinity();
+  for (const RobustFit& fit : fits)
+    factor = std::min(factor, robust_factor(fit.problem, fit.state));
+  std::vector<double> costs;
+  for (const RobustFit& fit : fits) costs.push_back(akaike_cost(fit, factor));
+  const auto best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
+  const std::size_t other = best == 0 ? 1 : 0;
+  return {fits[best], fits[other], costs[other] < kComparable * kComparable * costs[best]};
 }
 
 struct FormFit {
@@ -330,8 +423,34 @@ double photo_factor(std::span<const CalibratedSighting> sightings) {
   return scatter.degrees > 0 ? std::sqrt(std::max(1.0, scatter.chi_square / scatter.degrees)) : 1;
 }
 
+// Whether `form` shows each ray that `chosen` has in a corner of the picture, and has one there
+// itself.
+bool reaches_as_far(const Camera& form, const Camera& chosen) {
+  for (const double x : {0.0, chosen.width - 1.0}) {
+    for (const double y : {0.0, chosen.height - 1.0}) {
+      const auto ray = ray_through(chosen, {x, y});
+      if (ray && !(project(form, *ray) && ray_through(form, {x, y}))) return false;
+    }
+  }
+  return true;
+}
+
+// The place of the chosen form, after forms are left out that turn back inside the picture where
+// the chosen one does not: no lens does. They stay where the corners read speak for them: then a
+// richer form is needed, and the rays beyond these corners are unknown.
+std::size_t choose(std::vector<FormFit>& fits) {
+  constexpr double kLittle = 0.1;  // of the weight: by chance alone a rich form has some hundredths
+  const Camera camera = fits[weigh(fits)].tried.camera;
+  const auto turns_back = std::ranges::stable_partition(
+      fits, [&](const FormFit& fit) { return reaches_as_far(fit.tried.camera, camera); });
+  double weight = 0;
+  for (const FormFit& fit : turns_back) weight += fit.tried.weight;
+  if (weight < kLittle) fits.erase(turns_back.begin(), turns_back.end());
+  return weigh(fits);
+}
+
 Result<CameraCalibration> result_of(const CalibrationProblem& problem, std::vector<FormFit> fits) {
-  const std::size_t chosen = weigh(fits);
+  const std::size_t chosen = choose(fits);
   CameraCalibration result;
   for (FormFit& fit : fits) {
     const auto precision = precision_of(problem, fit.state, fit.tried.form);
@@ -401,16 +520,9 @@ Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
                                            std::span<const Board> boards) {
   if (auto checked = check_boards(boards); !checked) return tl::unexpected(checked.error());
   if (auto checked = check_views(views); !checked) return tl::unexpected(checked.error());
-  constexpr double kComparable = 1.5;  // of mean residuals: the form that wins is never so far off
-  const CalibrationProblem problem = calibration_problem(views, boards);
-  RobustFit perspective = robust_fit(problem, LensModel::perspective);
-  RobustFit fisheye = robust_fit(problem, LensModel::fisheye);
-  const bool is_fisheye = fisheye.cost < perspective.cost;
-  RobustFit& better = is_fisheye ? fisheye : perspective;
-  const RobustFit& other = is_fisheye ? perspective : fisheye;
   // Of a lens that bends little either model is right: both are compared form by form.
-  const bool compare = other.cost < kComparable * better.cost;
-  const auto fit_all = [&] {
+  auto [better, other, compare] = best_fits(calibration_problem(views, boards));
+  const auto fit_all = [&, &better = better, &other = other, compare = compare] {
     std::vector<FormFit> fits = fit_forms(better.problem, better.state);
     if (compare) {
       std::ranges::move(fit_forms(better.problem, other.state), std::back_inserter(fits));

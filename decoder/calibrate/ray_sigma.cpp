@@ -27,7 +27,9 @@ RayGrid::Cell& cell_at(RayGrid& grid, const Camera& camera, const Vector2d& pixe
 }
 
 void add_point(RayGrid::Cell& cell, const CameraCalibration& calibration, const Vector2d& pixel) {
-  if (!ray_through(calibration.camera, pixel)) return;
+  // A fisheye's picture may be a circle in the photo; a perspective lens fills the photo.
+  const Camera& camera = calibration.camera;
+  if (camera.lens == LensModel::fisheye && !ray_through(camera, pixel)) return;
   cell.has_ray = true;
   const double sigma =
       ray_sigma_px(calibration, pixel).value_or(std::numeric_limits<double>::infinity());

@@ -235,6 +235,24 @@ struct Limits {
   Table half{};
 };
 
+// Where half and where 99 % are read, pixels per module; kNever where not even half are.
+struct Least {
+  double half = kNever;
+  double reliable = kNever;
+};
+
+Least least_module_px(const Conditions& conditions, int count) {
+  Ladder ladder(conditions, count);
+  Least least;
+  const int half = ladder.least_step(0.5, -1, kSteps);
+  if (half > kSteps) return least;
+  least.half = module_px_at(half);
+  const int last = std::min(kSteps, half + kStepsToReliable);
+  const int reliable = ladder.least_step(0.99, half - 1, last);
+  if (reliable <= last) least.reliable = module_px_at(reliable);
+  return least;
+}
+
 // Of parts of tags, 99 %.
 Rows measure_parts(int count) {
   Rows least{};
@@ -244,9 +262,10 @@ Rows measure_parts(int count) {
       conditions.incidence = radians(kIncidences[i]);
       conditions.blur_px = kBlurs[b];
       conditions.code_book = conditions.part = true;
-      const int step = Ladder(conditions, count).least_step(0.99, -1, kSteps);
-      least[i][b] = step > kSteps ? kNever : module_px_at(step);
-      fmt::print("| part | {} | {} | {:.2f} | |\n", kIncidences[i], kBlurs[b], least[i][b]);
+      const Least cell = least_module_px(conditions, count);
+      least[i][b] = cell.reliable;
+      fmt::print("| part | {} | {} | {:.2f} | {:.2f} |\n", kIncidences[i], kBlurs[b], cell.reliable,
+                 cell.half);
       std::fflush(stdout);
     }
   }
@@ -262,12 +281,9 @@ Limits measure_limits(int count) {
         conditions.incidence = radians(kIncidences[i]);
         conditions.blur_px = kBlurs[b];
         conditions.code_book = book == 1;
-        Ladder ladder(conditions, count);
-        const int half = ladder.least_step(0.5, -1, kSteps);
-        const int last = std::min(kSteps, half + kStepsToReliable);
-        const int reliable = half > kSteps ? last + 1 : ladder.least_step(0.99, half - 1, last);
-        limits.half[book][i][b] = half > kSteps ? kNever : module_px_at(half);
-        limits.reliable[book][i][b] = reliable > last ? kNever : module_px_at(reliable);
+        const Least cell = least_module_px(conditions, count);
+        limits.half[book][i][b] = cell.half;
+        limits.reliable[book][i][b] = cell.reliable;
         fmt::print("| {} | {} | {} | {:.2f} | {:.2f} |\n", book == 1 ? "yes" : "no", kIncidences[i],
                    kBlurs[b], limits.reliable[book][i][b], limits.half[book][i][b]);
         std::fflush(stdout);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/calibrate/calibrate_camera.hpp"
 
+#include <initializer_list>
+
 #include <Eigen/Cholesky>
 #include <doctest/doctest.h>
 
+#include "decoder/calibrate/assess.hpp"
 #include "decoder/calibrate/ray_sigma.hpp"
 #include "tests/support/board_photos.hpp"
 
@@ -84,6 +87,43 @@ TEST_CASE("a camera is found without any guess, to within what it says of itself
     CHECK(std::abs(calibration->camera.fx - one.camera.fx) <
           3 * std::sqrt(calibration->covariance(0, 0)));
   }
+}
+
+// Of these draws of a camera: how many calibrations are good, and how many standard deviations the
+// worst ray of those is off.
+struct GoodOnes {
+  int count = 0;
+  double worst_sigmas = 0;
+};
+
+GoodOnes good_ones(const Camera& camera, std::initializer_list<unsigned> seeds) {
+  const Board board = test::plate_board();
+  GoodOnes good;
+  for (const unsigned seed : seeds) {
+    Draws draws(seed);
+    const auto views = test::seen_boards(camera, board, 15, draws);
+    const auto calibration = calibrate_camera(views, {&board, 1});
+    REQUIRE(calibration.has_value());
+    const auto assessment = assess_calibration(*calibration, views, {&board, 1});
+    if (assessment.trust != CalibrationTrust::good) continue;
+    ++good.count;
+    worst_ray(camera, *calibration, good.worst_sigmas);
+  }
+  return good;
+}
+
+TEST_CASE("a wide lens of eight coefficients is right or not called good") {
+  const Camera wide{960, 720, 640, 640, 487.3, 351.8, {0.4, 0.05, 0, 0, 0.002, 0.8, 0.15, 0.01}};
+  const GoodOnes good = good_ones(wide, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
+  CHECK(good.count > 0);
+  CHECK(good.worst_sigmas < 4);
+}
+
+TEST_CASE("a rich form that turns back beyond the corners read does not refuse a good set") {
+  const Camera camera{1280, 960, 800, 800, 633.5, 488, {-0.35, 0.12}};
+  const GoodOnes good = good_ones(camera, {23, 32, 66});
+  CHECK(good.count == 3);
+  CHECK(good.worst_sigmas < 4);
 }
 
 TEST_CASE("tags that were misread or moved are left out and spoil nothing") {
