@@ -158,12 +158,12 @@ Result<Station> station_of(const SimulateInput& input, const Measurement& measur
       vehicle_in_tunnel(input.survey, *measurement.truth_in_grid, measurement.truth_heading),
       {}};
   const Eigen::Vector3d& position = station.world_from_vehicle.translation;
-  if (const auto inside = check_in_tunnel(input.survey, position); !inside) {
+  if (const auto inside = check_in_tunnel(input.survey.tunnel, position); !inside) {
     return fail(place + "the true position is " + inside.error().message);
   }
   for (const RigCamera& camera : input.rig.cameras) {
     const Pose world_from_camera = station.world_from_vehicle * camera.vehicle_from_camera;
-    const auto inside = check_in_tunnel(input.survey, world_from_camera.translation);
+    const auto inside = check_in_tunnel(input.survey.tunnel, world_from_camera.translation);
     if (!inside) return fail(place + "camera " + camera.name + " is " + inside.error().message);
   }
   for (const RigRange& range : input.rig.ranges) {

@@ -2,6 +2,7 @@
 #include "decoder/feature_frame/refine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -29,11 +30,26 @@ struct FrameFit {
   std::array<SeenSagitta, 4> bows;
 };
 
+// Whether the stroke is only half as thick as guessed: that of a plate seen so aslant that its
+// symbol is narrower than it is high. Then what should be deep in the stroke is white.
+bool is_half_as_thick(const GrayView& image, const SideLine& side) {
+  std::vector<double> contrasts;
+  const auto light = [&](double along, double strokes) {
+    return sample_bilinear(image, point_on(side, along) + strokes * side.stroke * side.outward);
+  };
+  for (const double along : {-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8}) {
+    const double white = light(along, -0.4), black = light(along, 0.25);
+    contrasts.push_back(light(along, 0.75) - (white + black) / 2);
+  }
+  return quantile(contrasts, 0.5) > 0;
+}
+
 // Side i of a settled frame where it is to be looked for, with the stroke and the bow that it
 // should have.
-SideLine side_to_fit(const Quad& settled, std::size_t i, const FrameShape& shape,
-                     const SideSagittas& bows) {
+SideLine side_to_fit(const GrayView& image, const Quad& settled, std::size_t i,
+                     const FrameShape& shape, const SideSagittas& bows) {
   SideLine line = side_of(settled, i, shape);
+  if (line.stroke >= kEdgeFit.thin_stroke && is_half_as_thick(image, line)) line.stroke /= 2;
   line.taper = taper_of(settled, line, i);
   line.bow = bows[i];
   return line;
@@ -54,7 +70,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
   const SideSagittas bows = sagittas_of(lens, settled);
   std::vector<FittedSide> sides;
   for (std::size_t i = 0; i < 4; ++i) {
-    SideLine line = side_to_fit(settled, i, sight.shape, bows);
+    SideLine line = side_to_fit(sight.image, settled, i, sight.shape, bows);
     line.bow.c[0] += beyond[i];
     auto side = FittedSide::fit(sight.image, line, thin);
     if (!side) return fail(FrameFault::side_too_short);
@@ -300,7 +316,7 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
   const SideSagittas bows = sagittas_of(lens, settled);
   double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    lines[i] = side_to_fit(settled, i, shape, bows);
+    lines[i] = side_to_fit(image, settled, i, shape, bows);
     frame.shown[i] = false;
     if (!shown[i]) continue;
     const auto side = FittedSide::fit(image, lines[i], kEdgeFit.thin_stroke);

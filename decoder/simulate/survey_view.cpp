@@ -273,8 +273,6 @@ double automatic_exposure(const Lighting& lighting, const std::vector<ScenePlate
   return mean > 0 ? kWallShare / mean : 1.0;
 }
 
-std::string metres(double value) { return format_number(value, 3) + " m"; }
-
 }  // namespace
 
 TagsInSight tags_in_sight(const Survey& survey, const Camera& camera,
@@ -312,25 +310,6 @@ SurveyView render_survey_view(const Survey& survey, const RigCamera& camera,
   ViewOptions exposed = options;
   exposed.sensor.exposure *= automatic_exposure(options.lighting, sight.plates, backdrop);
   return {render_view(camera.camera, sight.plates, exposed, &backdrop), std::move(sight.tags)};
-}
-
-Result<void> check_in_tunnel(const Survey& survey, const Vector3d& position_in_world) {
-  const Tunnel& tunnel = survey.tunnel;
-  const CenterlineAddress address = tunnel.centerline.locate(position_in_world.head<2>());
-  const Side side = address.offset < 0 ? Side::left : Side::right;
-  if (behind_wall(tunnel, side, address) >= 0) {
-    return fail(metres(std::abs(address.offset)) + " " + to_string(side) +
-                " of the center line, expected less than the distance of that wall's plates, " +
-                metres(wall_distance(tunnel, side, address.chainage)));
-  }
-  const double above_floor =
-      position_in_world.z() - tunnel.centerline.at(address.chainage).position.z();
-  const double height = tunnel.height.at(address.chainage);
-  if (above_floor <= 0 || above_floor >= height) {
-    return fail(metres(above_floor) +
-                " above the floor, expected between 0 and the tunnel's height, " + metres(height));
-  }
-  return {};
 }
 
 Pose vehicle_in_tunnel(const Survey& survey, const Vector3d& position_in_grid,

@@ -58,9 +58,6 @@ SurveyView render_survey_view(const Survey& survey, const RigCamera& camera,
 // The light of a mine vehicle's headlamps in an otherwise dim tunnel.
 Lighting tunnel_lighting();
 
-// Fails, saying where the point lies, when it is not between the walls, floor and roof.
-Result<void> check_in_tunnel(const Survey& survey, const Eigen::Vector3d& position_in_world);
-
 // world_from_vehicle of a vehicle that stands as the floor below it is inclined: position in the
 // grid; heading (grid, radians) or, without one, the tunnel's at that place.
 Pose vehicle_in_tunnel(const Survey& survey, const Eigen::Vector3d& position_in_grid,

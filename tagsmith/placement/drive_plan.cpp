@@ -196,7 +196,7 @@ class Sweep {
                                  (end.position - middle.position).norm());
     const double lateral = rig_.envelope ? rig_.envelope->lateral : 0;
     const double slack = std::hypot(half, lateral) + turn * arm_length(rig_);
-    const double reach = model_.reach() + slack;
+    const double reach = model_.reach() + arm_length(rig_) + slack;
     const auto [from, to] = model_.tags_between(first - reach, last + reach);
     scratch.candidates.resize(attitudes_.size() * rig_.cameras.size());
     std::size_t list = 0;
@@ -397,6 +397,50 @@ void merge(TagUse& use, const TagUse& next) {
   }
 }
 
+// One camera at one place: on the center line, or so far to the right of it.
+Result<void> check_camera(const Survey& survey, const Rig& rig, const RigCamera& camera,
+                          double chainage, double lateral) {
+  const Tunnel& tunnel = survey.tunnel;
+  const CenterlinePoint point = tunnel.centerline.at(chainage);
+  const VehiclePose pose = vehicle_on_floor(point, {rig.vehicle_height, lateral, 0, 0, 0});
+  const Vector3d place = (world_from_vehicle(pose) * camera.vehicle_from_camera).translation;
+  // Before and behind the center line nothing is known of the walls.
+  const double at = tunnel.centerline.locate(place.head<2>()).chainage;
+  if (at <= 0 || at >= tunnel.centerline.length()) return {};
+  const Result<void> inside = check_in_tunnel(tunnel, place);
+  if (inside) return {};
+  const std::string aside =
+      lateral == 0 ? ""
+                   : fmt::format(", the vehicle {} m aside", format_number(std::abs(lateral), 3));
+  return fail(fmt::format("{}: at chainage {} m of {}{}, camera {} is {}: check its `position`{}",
+                          rig.file.string(), format_number(chainage, 3), survey.file.string(),
+                          aside, camera.name, inside.error().message,
+                          lateral == 0 ? "" : " and vehicle.envelope.lateral"));
+}
+
+}  // namespace
+
+Result<void> check_cameras(const Survey& survey, const Rig& rig, double from, double to) {
+  constexpr double kStep = 0.5;  // metres
+  constexpr double kMostPlaces = 20000;
+  const double lateral = rig.envelope ? rig.envelope->lateral : 0;
+  const double first = std::max(from, 0.0);
+  const double last = std::min(to, survey.tunnel.centerline.length());
+  const double step = std::max(kStep, (last - first) / kMostPlaces);
+  for (double chainage = first; chainage <= last; chainage += step) {
+    for (const double aside : {0.0, -lateral, lateral}) {
+      for (const RigCamera& camera : rig.cameras) {
+        auto checked = check_camera(survey, rig, camera, chainage, aside);
+        if (!checked) return checked;
+      }
+      if (lateral == 0) break;
+    }
+  }
+  return {};
+}
+
+namespace {
+
 Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& options, double from,
                    double to) {
   const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
@@ -426,6 +470,7 @@ Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& opti
         rig.file.string(), format_number(rig.vehicle_height, 3), survey.file.string(),
         format_number(survey.tunnel.height.least(), 3)));
   }
+  if (auto checked = check_cameras(survey, rig, from, to); !checked) return checked;
   const double columns = (to - from) / options.step;
   if (columns > kMostColumns) {
     return fail(fmt::format(

@@ -141,6 +141,10 @@ struct DrivePlan {
   LogHistogram speeds;
 };
 
+// Fails, naming the first place, when a camera on the center line or at the sides of the envelope
+// stands in the rock, the floor or the roof. Looked at are places half a metre apart.
+Result<void> check_cameras(const Survey& survey, const Rig& rig, double from, double to);
+
 // Fails with words for the user when options and files do not fit each other. The time is linear in
 // the number of poses.
 Result<DrivePlan> plan_drive(const Survey& survey, const Rig& rig, const PlanOptions& options);

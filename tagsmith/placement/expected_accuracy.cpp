@@ -156,7 +156,7 @@ double expected_corner_sigma(const Rig& rig, const PlateSight& sight,
   const double moved = options.speed * rig.cameras[sight.camera].exposure.value_or(0);
   const double motion = sight.smear_px * moved;
   const double blur = std::sqrt(sight.blur_px * sight.blur_px + motion * motion / 12);
-  return corner_sigma_px(sight.module_px, blur);
+  return corner_sigma_px(sight.effective_px, blur);
 }
 
 VehicleCovariance sights_information(const Survey& survey, const Rig& rig,

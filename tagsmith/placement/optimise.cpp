@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 #include <utility>
 
@@ -84,6 +85,7 @@ constexpr int kWidest = 400;              // steps
 constexpr int kStepsBeyond = 12;          // tried beyond the first that fails
 constexpr double kCoarseStep = 0.10;      // of the chainage while searching
 constexpr int kCoarseOffsets = 3;         // over the envelope while searching
+constexpr double kFinestShare = 0.5;      // of a plate in the picture, between poses of the proof
 constexpr std::size_t kFirstLook = 8;     // columns to one that is looked at first
 constexpr double kFloorClearance = 0.05;  // of a plate's edge from floor and roof, metres
 constexpr double kSightAhead = 40;        // metres beyond the plan's end where tags may still help
@@ -123,6 +125,12 @@ double plate_area(const Layout& layout) {
   return std::round(1e6 * tag.plate_length * tag.plate_height);
 }
 
+// Odd, so many values from -most to most that neighbours are at most `step` apart.
+int samples_over(double most, double step) {
+  constexpr int kMost = 31;
+  return std::min(kMost, 2 * static_cast<int>(std::ceil(std::min(most / step, 1e3))) + 1);
+}
+
 // Searches with a coarse plan and proves with the plan as asked for. Keeps references to all it is
 // given.
 class LayoutSearch {
@@ -134,7 +142,7 @@ class LayoutSearch {
 
   // Which columns can be served at all: the share of them, of the plan as asked for. Fails when
   // none can. To be called before what follows.
-  Result<double> find_demanded();
+  Result<double> find_demanded(const Freedom& freedom);
   const std::vector<bool>& demanded() const { return fine_.demanded; }
 
   // The layout by the plan as asked for.
@@ -168,7 +176,7 @@ class LayoutSearch {
   };
 
   Result<DrivePlan> plan_of(const Layout& layout, const PlanOptions& options) const;
-  Result<std::vector<bool>> find_demanded(PlanOptions options) const;
+  Result<std::vector<bool>> find_demanded(PlanOptions options, const Freedom& freedom) const;
   bool meets(const Layout& layout, const Demand& demand) const;
   void judge(const Layout& layout, const Demand& demand, LayoutReport& report) const;
   LayoutReport priced(std::string name, const Layout& layout) const;
@@ -198,6 +206,14 @@ LayoutSearch::LayoutSearch(const Survey& survey, const Rig& rig,
       order_(order),
       fine_{options, {}},
       coarse_{options, {}} {
+  // So that no plate passes through the picture between two poses.
+  const double length = survey.tag_template.frame_inner_length;
+  const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
+  const double turn = length / least_width(survey.tunnel);
+  fine_.options.lateral_offsets =
+      std::max(options.lateral_offsets, samples_over(envelope.lateral, kFinestShare * length));
+  fine_.options.headings =
+      std::max(options.headings, samples_over(envelope.yaw, kFinestShare * turn));
   coarse_.options.step = std::max(options.step, kCoarseStep);
   coarse_.options.lateral_offsets = std::min(options.lateral_offsets, kCoarseOffsets);
   coarse_.options.headings = std::min(options.headings, kCoarseOffsets);
@@ -205,32 +221,45 @@ LayoutSearch::LayoutSearch(const Survey& survey, const Rig& rig,
 
 Layout LayoutSearch::given() const { return {survey_.tag_template, *survey_.series, std::nullopt}; }
 
-Result<double> LayoutSearch::find_demanded() {
+Result<double> LayoutSearch::find_demanded(const Freedom& freedom) {
   for (Demand* demand : {&coarse_, &fine_}) {
-    auto columns = find_demanded(demand->options);
+    auto columns = find_demanded(demand->options, freedom);
     if (!columns) return fail(columns.error().message);
     demand->demanded = std::move(*columns);
   }
   const auto count = std::ranges::count(fine_.demanded, true);
   if (count == 0) {
     return fail(fmt::format(
-        "{} with {}: even plates {} m apart leave poses without a position everywhere: the "
-        "cameras or the envelope must change first",
+        "{} with {}: even plates {} m apart, whatever else may vary, leave poses without a "
+        "position "
+        "everywhere: the cameras or the envelope must change first",
         survey_.file.string(), rig_.file.string(), format_number(kDensest * kSpacingStep, 2)));
   }
   return static_cast<double>(count) / static_cast<double>(fine_.demanded.size());
 }
 
-Result<std::vector<bool>> LayoutSearch::find_demanded(PlanOptions options) const {
+// What the given layout serves, or plates hung as densely as possible, with any one thing changed
+// that may vary.
+Result<std::vector<bool>> LayoutSearch::find_demanded(PlanOptions options,
+                                                      const Freedom& freedom) const {
   options.accuracy = false;
-  const auto as_given = plan_of(given(), options);
-  if (!as_given) return fail(as_given.error().message);
-  const auto densest = plan_of(spaced(given(), kDensest), options);
-  if (!densest) return fail(densest.error().message);
+  std::vector<Layout> layouts{given(), spaced(given(), kDensest)};
+  const auto add = [&](bool allowed, const std::vector<Layout>& others) {
+    if (!allowed) return;
+    for (const Layout& other : others) layouts.push_back(spaced(other, kDensest));
+  };
+  add(freedom.mount_height, heights(given()));
+  add(freedom.plate, plates(given()));
+  add(freedom.alpha, alphas(given()));
   std::vector<bool> columns;
-  for (std::size_t i = 0; i < as_given->columns.size(); ++i) {
-    columns.push_back(as_given->columns[i].least_tags > requirement_.tags_lost ||
-                      densest->columns[i].least_tags > requirement_.tags_lost);
+  for (const Layout& layout : layouts) {
+    const auto plan = plan_of(layout, options);
+    if (!plan) return fail(plan.error().message);
+    columns.resize(plan->columns.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (plan->columns[i].least_tags > requirement_.tags_lost) columns[i] = true;
+    }
+    if (std::ranges::all_of(columns, std::identity{})) break;
   }
   return columns;
 }
@@ -339,6 +368,9 @@ Result<DrivePlan> LayoutSearch::plan_of(const Layout& layout, const PlanOptions&
 LayoutSearch::Demand LayoutSearch::Demand::thinned(std::size_t stride) const {
   Demand thin{options, {}};
   thin.options.step *= static_cast<double>(stride);
+  // Rounding shall not add a column that nothing is known of.
+  const double last = static_cast<double>(demanded.size() - 1) * options.step;
+  if (!demanded.empty() && last > 0) thin.options.to = options.from.value_or(0) + last;
   for (std::size_t i = 0; i < demanded.size(); i += stride) thin.demanded.push_back(demanded[i]);
   return thin;
 }
@@ -429,12 +461,21 @@ double LayoutSearch::up_to() const {
   return fine_.options.to.value_or(survey_.tunnel.centerline.length()) + kSightAhead;
 }
 
+// Whether the survey's code has digits for the heights of all tags.
+bool can_be_coded(const Survey& survey) {
+  const auto [low, high] = coded_range(survey.code, 2);
+  return std::ranges::all_of(survey.tags, [&, low = low, high = high](const PlacedTag& tag) {
+    return tag.p_in_grid.z() >= low && tag.p_in_grid.z() <= high;
+  });
+}
+
 bool LayoutSearch::hangs_in_tunnel(const Layout& layout) const {
   const TagTemplate& tag = layout.tag_template;
   const double above = (tag.plate_height - tag.frame_inner_height) / 2 - tag.frame_offset_up;
   const double below = tag.plate_height - above;
   return layout.series.mount_height - below >= kFloorClearance &&
-         layout.series.mount_height + above <= survey_.tunnel.height.least() - kFloorClearance;
+         layout.series.mount_height + above <= survey_.tunnel.height.least() - kFloorClearance &&
+         can_be_coded(with_layout(survey_, spaced(layout, kDensest)));
 }
 
 // ---- The cheapest layout.
@@ -531,7 +572,7 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
                               const SearchProgress& progress) {
   if (auto good = check(survey); !good) return fail(good.error().message);
   LayoutSearch search(survey, rig, templates, requirement, order, options);
-  const Result<double> demanded_share = search.find_demanded();
+  const Result<double> demanded_share = search.find_demanded(freedom);
   if (!demanded_share) return fail(demanded_share.error().message);
   Optimisation result;
   result.demanded_share = *demanded_share;

@@ -56,13 +56,28 @@ double least_module_px(bool code_book, double incidence, double blur_px, ReadSha
              at_incidence(code_book, row, column.high, share), column.share);
 }
 
+double frame_share(const TagTemplate& tag, double foreshortening) {
+  // In modules, of a plate seen squarely; a leaning one needs more, where both are scarce.
+  constexpr double kStroke = 3.4, kLeaningStroke = 1.6;
+  constexpr double kHeight = 48, kLeaningHeight = 6;
+  const double seen = std::min(foreshortening, 1.0);
+  const double module = module_width(tag);
+  const double stroke = tag.frame_stroke / module / (kStroke + kLeaningStroke * (1 - seen));
+  const double height = tag.frame_inner_height / module / (kHeight + kLeaningHeight * (1 - seen));
+  return std::min(1.0, seen * std::min(stroke, height));
+}
+
 double corner_sigma_px(double module_px, double blur_px) {
   const Between row = between(kSigmaModulesPx, module_px);
   const Between column = between(kSigmaBlursPx, blur_px);
   const auto along = [&](std::size_t i) {
-    return mix(kCornerSigmaPx[i][column.low], kCornerSigmaPx[i][column.high], column.share);
+    return std::log(
+        mix(kCornerSigmaPx[i][column.low], kCornerSigmaPx[i][column.high], column.share));
   };
-  return mix(along(row.low), along(row.high), row.share);
+  // Between two modules the noise follows a power of their width.
+  const double low = std::log(kSigmaModulesPx[row.low]), high = std::log(kSigmaModulesPx[row.high]);
+  const double share = row.share == 0 ? 0 : (std::log(module_px) - low) / (high - low);
+  return std::exp(mix(along(row.low), along(row.high), share));
 }
 
 BlurLimits::BlurLimits(bool code_book, ReadShare share)

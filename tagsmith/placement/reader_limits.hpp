@@ -8,16 +8,18 @@
 #include <functional>
 #include <vector>
 
+#include "tagsmith/tag/template.hpp"
+
 namespace tagsmith::detail {
 
 // How much of what is seen under the stated conditions is read.
 enum class ReadShare { reliable, half };  // 99 %, 50 %
 
-// Least width of a module in the image (pixels, at the middle of the feature frame) at which this
-// share of tags is read. `incidence`: radians between the line of sight and the plate's normal.
-// `blur_px`: standard deviation of the blur across the bars, the lens's and the motion's together.
-// Interpolated; infinite beyond the greatest incidence or blur of the table, and where nothing is
-// read. Less blur than the table's least counts as the least.
+// Least width of a module in the image (pixels, at the end of the feature frame that is farther
+// away) at which this share of tags is read. `incidence`: radians between the line of sight and the
+// plate's normal. `blur_px`: standard deviation of the blur across the bars, the lens's and the
+// motion's together. Interpolated; infinite beyond the greatest incidence or blur of the table, and
+// where nothing is read. Less blur than the table's least counts as the least.
 double least_module_px(bool code_book, double incidence, double blur_px,
                        ReadShare share = ReadShare::reliable);
 
@@ -25,7 +27,15 @@ double least_module_px(bool code_book, double incidence, double blur_px,
 // as a part that the reader identifies with the code book.
 inline constexpr double kPartInSight = 0.6;
 
-// Standard deviation of a coordinate of a corner of the feature frame, pixels, interpolated.
+// What a plan takes the modules of a plate for, as a share of their width: less than 1 where the
+// frame's strokes are thin, its inner height is small, or the plate is seen steeply from above or
+// below, so that its heights are foreshortened by `foreshortening` against its lengths. The limits
+// were measured with one template, turned about its vertical axis. Measured by
+// `./dev bench limits frames`; why: docs/decisions/0013-planning.md.
+double frame_share(const TagTemplate& tag, double foreshortening);
+
+// Standard deviation of a coordinate of a corner of the feature frame, pixels, interpolated by
+// logarithms; the module as in least_module_px.
 double corner_sigma_px(double module_px, double blur_px);
 
 // The inverse of least_module_px for many look-ups: the greatest blur at which a module this wide

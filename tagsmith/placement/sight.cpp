@@ -91,13 +91,24 @@ bool is_inside(const Camera& camera, const Vector2d& pixel) {
          pixel.y() >= kBorderPx && pixel.y() <= camera.height - 1 - kBorderPx;
 }
 
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+// An even path of m pixels has a standard deviation of m / sqrt(12). The limits, measured with
+// normal blur, hold for it while it is short: a path of some modules has gaps in its spectrum that
+// no normal blur has (4 modules are not read), and one longer than a stroke leaves none of its
+// black.
+constexpr double kMostModules = 3;
+constexpr double kMostStrokes = 1;
+
 // Metres that the vehicle may move during the exposure; negative when the plate is not read
-// standing still. An even path of m pixels has a standard deviation of m / sqrt(12).
+// standing still.
 double greatest_travel(const PlateSight& sight, const BlurLimits& limits) {
-  const double most = limits.greatest_blur_px(sight.cosine, sight.module_px);
+  const double most = limits.greatest_blur_px(sight.cosine, sight.effective_px);
   const double left = most * most - sight.blur_px * sight.blur_px;
   if (most < 0 || left < 0) return -1;
-  return std::sqrt(12 * left) / std::max(sight.smear_px, 1e-9);
+  const double path = std::min(std::sqrt(12 * left), kMostModules * sight.module_px);
+  return std::min(path / std::max(sight.smear_px, 1e-9),
+                  kMostStrokes / std::max(sight.smear_down, 1e-9));
 }
 
 }  // namespace
@@ -221,7 +232,7 @@ double SightModel::standoff_between(double low, double high) const {
 }
 
 Surroundings SightModel::surroundings(double first, double last) const {
-  const double reach = reach_ + (last - first);
+  const double reach = reach_ + arm_length(*rig_) + (last - first);
   const double middle = (first + last) / 2;
   Surroundings around;
   if (may_be_hidden_between(first - reach, last + reach)) {
@@ -313,6 +324,23 @@ bool SightModel::is_hidden(const Surroundings& around, const CameraStand& stand,
          (around.floor_and_roof && is_behind(*around.floor_and_roof, stand, plate));
 }
 
+// What the modules count for: those at the farther end of the frame, by its strokes and heights.
+// `right` and `down` are the pictures of a metre at the middle.
+double SightModel::effective_px(std::size_t camera, const InView& view, const Vector2d& right,
+                                const Vector2d& down) const {
+  const RigCamera& rig_camera = rig_->cameras[camera];
+  double least = right.norm();
+  for (const double end : {-half_length_, half_length_}) {
+    const Vector3d point = view.middle + end * view.right;
+    if (point.z() < kNearest) return 0;
+    const auto by_point = picture_by_point(rig_camera.camera, lenses_[camera].is_pinhole, point);
+    if (!by_point) return 0;
+    least = std::min(least, (*by_point * view.right).norm());
+  }
+  const double foreshortening = std::abs(cross(right, down)) / right.squaredNorm();
+  return module_ * least * frame_share(survey_->tag_template, foreshortening);
+}
+
 std::optional<SightModel::InView> SightModel::in_view(std::size_t camera, const CameraStand& stand,
                                                       std::size_t tag) const {
   const Plate& plate = plates_[tag];
@@ -324,15 +352,16 @@ std::optional<SightModel::InView> SightModel::in_view(std::size_t camera, const 
   const Eigen::Matrix3d& rotation = stand.camera_from_world.rotation;
   const Vector3d middle = rotation * way;
   if (middle.z() < kNearest) return std::nullopt;
-  const Vector3d right = rotation * plate.right;
+  InView view{{}, middle, rotation * plate.right, rotation * plate.down};
   const auto by_point = picture_by_point(rig_camera.camera, lens.is_pinhole, middle);
   if (!by_point) return std::nullopt;
-  const Vector2d module = *by_point * right;
-  const double px_per_metre = module.norm();
-  InView view{{}, middle, right, rotation * plate.down};
+  const Vector2d right = *by_point * view.right;
+  const Vector2d down = *by_point * view.down;
   PlateSight& sight = view.sight;
-  sight.module_px = module_ * px_per_metre;
+  sight.module_px = module_ * right.norm();
   if (sight.module_px < book_.least_module_px()) return std::nullopt;
+  sight.effective_px = effective_px(camera, view, right, down);
+  if (sight.effective_px < book_.least_module_px()) return std::nullopt;
   sight.camera = camera;
   sight.tag = tag;
   sight.distance = way.norm();
@@ -344,8 +373,11 @@ std::optional<SightModel::InView> SightModel::in_view(std::size_t camera, const 
                           std::abs(1 / *rig_camera.focus - 1 / middle.z());
     sight.blur_px = std::hypot(sight.blur_px, circle / 4);
   }
-  const Vector3d motion = -stand.travel - stand.turn.cross(middle);
-  sight.smear_px = std::abs((*by_point * motion).dot(module)) / px_per_metre;
+  const Vector2d motion = *by_point * (-stand.travel - stand.turn.cross(middle));
+  sight.smear_px = std::abs(motion.dot(right)) / right.norm();
+  sight.smear_down =
+      std::abs(cross(motion, right)) /
+      std::max(survey_->tag_template.frame_stroke * std::abs(cross(down, right)), 1e-12);
   return view;
 }
 

@@ -51,8 +51,12 @@ struct PlateSight {
   double module_px = 0;    // width of a module at the middle of the frame, pixels
   double cosine = 0;       // of the incidence
   double distance = 0;     // from the camera to the middle of the frame, metres
-  double blur_px = 0;      // lens and focus, standard deviation
-  double smear_px = 0;     // path of the picture across the bars for a metre of travel, pixels
+  // Width of the modules at the farther end of the frame, less where its strokes are thin or its
+  // heights foreshortened (frame_share): by this the reader's limits and noise are looked up.
+  double effective_px = 0;
+  double blur_px = 0;     // lens and focus, standard deviation
+  double smear_px = 0;    // path of the picture across the bars for a metre of travel, pixels
+  double smear_down = 0;  // along them, in strokes of the frame
   // Metres that the vehicle may move during the exposure for the tag still to be read reliably,
   // without and with the code book; negative when it is not read standing still.
   double travel_plain = -1;
@@ -129,6 +133,8 @@ class SightModel {
 
   std::optional<InView> in_view(std::size_t camera, const CameraStand& stand,
                                 std::size_t tag) const;
+  double effective_px(std::size_t camera, const InView& view, const Eigen::Vector2d& right,
+                      const Eigen::Vector2d& down) const;
   bool fits_in_image(std::size_t camera, const InView& view) const;
   // The frame from one place along it to another, half lengths to the right of its middle, by a
   // lens that bends nothing.

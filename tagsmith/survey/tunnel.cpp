@@ -2,6 +2,7 @@
 #include "tagsmith/survey/tunnel.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "tagsmith/base/text.hpp"
@@ -15,6 +16,8 @@ std::string range_text(const ChainageProfile& profile) {
   const std::string greatest = format_number(profile.greatest(), 3);
   return least == greatest ? least : least + " to " + greatest;
 }
+
+std::string metres(double value) { return format_number(value, 3) + " m"; }
 
 ChainageProfile widths_of(const Tunnel& tunnel) {
   return sum(tunnel.right, tunnel.left.scaled(-1));
@@ -60,6 +63,24 @@ double least_distance(const Tunnel& tunnel) {
 double behind_wall(const Tunnel& tunnel, Side side, const CenterlineAddress& address) {
   const double towards_wall = side == Side::left ? -address.offset : address.offset;
   return towards_wall - wall_distance(tunnel, side, address.chainage);
+}
+
+Result<void> check_in_tunnel(const Tunnel& tunnel, const Eigen::Vector3d& position_in_world) {
+  const CenterlineAddress address = tunnel.centerline.locate(position_in_world.head<2>());
+  const Side side = address.offset < 0 ? Side::left : Side::right;
+  if (behind_wall(tunnel, side, address) >= 0) {
+    return fail(metres(std::abs(address.offset)) + " " + to_string(side) +
+                " of the center line, expected less than the distance of that wall's plates, " +
+                metres(wall_distance(tunnel, side, address.chainage)));
+  }
+  const double above_floor =
+      position_in_world.z() - tunnel.centerline.at(address.chainage).position.z();
+  const double height = tunnel.height.at(address.chainage);
+  if (above_floor <= 0 || above_floor >= height) {
+    return fail(metres(above_floor) +
+                " above the floor, expected between 0 and the tunnel's height, " + metres(height));
+  }
+  return {};
 }
 
 double wall_heading(const Tunnel& tunnel, Side side, double chainage, double plate_length) {

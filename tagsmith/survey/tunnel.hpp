@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/chainage_profile.hpp"
 
@@ -53,6 +54,9 @@ double least_distance(const Tunnel& tunnel);
 // How far a point lies behind the plates' plane of a wall, at the point's chainage; negative in the
 // room.
 double behind_wall(const Tunnel& tunnel, Side side, const CenterlineAddress& address);
+
+// Fails, saying where the point lies, when it is not between the plates' planes, floor and roof.
+Result<void> check_in_tunnel(const Tunnel& tunnel, const Eigen::Vector3d& position_in_world);
 
 // Direction of a wall along the drive where a plate of this length hangs, radians from +y to +x.
 double wall_heading(const Tunnel& tunnel, Side side, double chainage, double plate_length);

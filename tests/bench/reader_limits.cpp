@@ -2,6 +2,8 @@
 // Measures what the reader manages on simulated tags and writes it as the one table that the
 // planner compiles in: least pixels per module by incidence and blur, and the corners' noise.
 // Usage: bench_reader_limits [TAGS_PER_CELL [FILE]]
+//        bench_reader_limits frames [TAGS_PER_CELL]: thin strokes, low frames and leaning plates
+// against what plans take them for
 #include "tagsmith/placement/reader_limits.hpp"
 
 #include <algorithm>
@@ -38,7 +40,7 @@ constexpr const char* kTable = "tagsmith/placement/reader_limits.inc";
 // plate at all.
 constexpr std::array<double, 7> kIncidences{0, 60, 70, 76, 79, 82, 84};
 constexpr std::array<double, 6> kBlurs{0.35, 0.7, 1.0, 1.4, 2.0, 2.8};
-constexpr std::array<double, 5> kSigmaModules{0.4, 0.6, 1.0, 2.0, 4.0};
+constexpr std::array<double, 7> kSigmaModules{0.4, 0.45, 0.5, 0.6, 1.0, 2.0, 4.0};
 constexpr std::array<double, 4> kSigmaBlurs{0.35, 0.7, 1.4, 2.8};
 
 constexpr std::size_t kBook = 200;  // codes in the code book
@@ -53,12 +55,20 @@ constexpr int kStepsToReliable = 16;  // what is not reliable at 3.4 times the h
 constexpr double kNever = 1e9;
 
 struct Conditions {
-  double module_px = 2;
-  double incidence = 0;  // radians
+  double module_px = 2;  // at the end of the frame that is farther away
+  double incidence = 0;  // radians, the plate turned about its vertical axis
+  double lean = 0;       // radians, about its horizontal axis
   double blur_px = 0.5;
   bool code_book = false;
   bool part = false;  // the picture's border cuts it: kPartInSight of the frame is in sight
+  TagTemplate tag = test::corridor_template();
 };
+
+// Of a plate that is turned away the modules at the middle are wider than those at the farther end.
+double middle_module_px(const Conditions& conditions) {
+  const double farther = conditions.tag.frame_inner_length / 2 * std::sin(conditions.incidence);
+  return conditions.module_px * std::pow(1 + farther / kDistance, 2);
+}
 
 struct Outcome {
   bool read = false;
@@ -69,8 +79,8 @@ struct Outcome {
 // that the perspective is that of a tag at kDistance in all cells.
 Camera camera_for(const Conditions& conditions) {
   Camera camera;
-  const TagTemplate tag = test::corridor_template();
-  const double px_per_metre = conditions.module_px / module_width(tag);
+  const TagTemplate& tag = conditions.tag;
+  const double px_per_metre = middle_module_px(conditions) / module_width(tag);
   camera.width = static_cast<int>(80 + 1.3 * px_per_metre * tag.plate_length);
   camera.height = static_cast<int>(80 + 1.3 * px_per_metre * tag.plate_height /
                                             std::max(0.1, std::cos(conditions.incidence)));
@@ -87,8 +97,9 @@ ScenePlate place(const Camera& camera, const Digits& code, const Conditions& con
   const double way = either(random) < 0 ? -1 : 1;
   const double roll = radians(kRoll) * either(random);
   const Eigen::Vector2d pixel(camera.cx + either(random), camera.cy + either(random));
-  return bench::plate_at(camera, draw_tag(test::corridor_template(), code),
-                         {pixel, conditions.module_px, way * conditions.incidence, roll});
+  return bench::plate_at(camera, draw_tag(conditions.tag, code),
+                         {pixel, middle_module_px(conditions), way * conditions.incidence, roll,
+                          way * conditions.lean});
 }
 
 // The columns up to the place along a frame's middle, from either of its ends, where its part in
@@ -127,6 +138,7 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   const View picture = render_view(camera, std::span(&plate, 1), view);
   ReadOptions options;
   options.check = CheckDigit::gs1;
+  options.layouts = {layout_of(conditions.tag)};
   if (conditions.code_book) options.code_book = bench::book_with(code, kBook, random);
   Outcome outcome;
   if (conditions.part) {
@@ -162,6 +174,14 @@ class Ladder {
  public:
   Ladder(const Conditions& conditions, int count) : conditions_(conditions), count_(count) {}
 
+  double read_at(int step) {
+    if (!shares_.contains(step)) {
+      conditions_.module_px = module_px_at(step);
+      shares_[step] = share_read(run_cell(conditions_, count_));
+    }
+    return shares_[step];
+  }
+
   // The least step in (low, high] at which this share is read, found by halving; `high` + 1 when
   // none is enough.
   int least_step(double share, int low, int high) {
@@ -174,14 +194,6 @@ class Ladder {
   }
 
  private:
-  double read_at(int step) {
-    if (!shares_.contains(step)) {
-      conditions_.module_px = module_px_at(step);
-      shares_[step] = share_read(run_cell(conditions_, count_));
-    }
-    return shares_[step];
-  }
-
   Conditions conditions_;
   int count_;
   std::map<int, double> shares_;
@@ -244,8 +256,8 @@ struct Least {
 Least least_module_px(const Conditions& conditions, int count) {
   Ladder ladder(conditions, count);
   Least least;
+  if (ladder.read_at(kSteps) < 0.5) return least;
   const int half = ladder.least_step(0.5, -1, kSteps);
-  if (half > kSteps) return least;
   least.half = module_px_at(half);
   const int last = std::min(kSteps, half + kStepsToReliable);
   const int reliable = ladder.least_step(0.99, half - 1, last);
@@ -311,13 +323,63 @@ std::string measure_corners(int count) {
   return text + "};\n";
 }
 
+// --- other frames than the table's ---
+
+struct Frame {
+  double stroke = 0;  // modules
+  double height = 0;  // inner, modules
+  double lean = 0;    // degrees
+};
+
+// Module width at which 99 % are read, beside the one that plans ask for.
+void compare_frame(const Frame& frame, double blur_px, int count) {
+  Conditions conditions;
+  conditions.blur_px = blur_px;
+  conditions.code_book = true;
+  const double usual = tagsmith::detail::least_module_px(true, 0, blur_px, ReadShare::reliable);
+  conditions.tag.frame_stroke = frame.stroke * module_width(conditions.tag);
+  conditions.tag.frame_inner_height = frame.height * module_width(conditions.tag);
+  conditions.lean = radians(frame.lean);
+  const Least least = least_module_px(conditions, count);
+  const double planned = usual / frame_share(conditions.tag, std::cos(conditions.lean));
+  fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", frame.stroke, frame.height,
+             frame.lean, blur_px, least.reliable, least.half, planned);
+  std::fflush(stdout);
+}
+
+void compare_frames(int count) {
+  fmt::print(
+      "| stroke, modules | inner height, modules | leaning, degrees | blur, px | px/module, 99 % "
+      "read | 50 % read | as planned |\n|---|---|---|---|---|---|---|\n");
+  constexpr double kStroke = 3.95, kHeight = 55.3;  // of the table's template
+  for (const double blur_px : {0.35, 0.7, 1.4}) {
+    for (const double stroke : {1.0, 2.0, 3.0, 6.0}) {
+      for (const double lean : {0.0, 60.0, 75.0}) {
+        compare_frame({stroke, kHeight, lean}, blur_px, count);
+      }
+    }
+    for (const double height : {40.0, 30.0, 23.0}) {
+      compare_frame({kStroke, height, 0}, blur_px, count);
+    }
+    for (const double lean : {45.0, 70.0, 80.0}) {
+      compare_frame({kStroke, kHeight, lean}, blur_px, count);
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "frames") {
+    compare_frames(argc > 2 ? std::max(1, std::atoi(argv[2])) : 100);
+    return 0;
+  }
   const int count = argc > 1 ? std::atoi(argv[1]) : 100;
   const std::string file = argc > 2 ? argv[2] : kTable;
   if (count < 1) {
-    fmt::print(stderr, "usage: bench_reader_limits [TAGS_PER_CELL [FILE]]\n");
+    fmt::print(stderr,
+               "usage: bench_reader_limits [TAGS_PER_CELL [FILE]]\n"
+               "       bench_reader_limits frames [TAGS_PER_CELL]\n");
     return 2;
   }
   fmt::print(

@@ -41,12 +41,14 @@ inline std::vector<Digits> book_with(const Digits& code, std::size_t size,
 }
 
 // How a plate stands before the camera: `pixel` shows its middle; turned by `tilt` about its
-// vertical axis and by `roll` in its plane, radians; `module_px` pixels to a module.
+// vertical axis, by `lean` about its horizontal axis and by `roll` in its plane, radians;
+// `module_px` pixels to a module.
 struct Stance {
   Eigen::Vector2d pixel;
   double module_px = 2;
   double tilt = 0;
   double roll = 0;
+  double lean = 0;
 };
 
 // The plate at the distance where its modules, foreshortened, are as wide as the stance says.
@@ -55,8 +57,8 @@ inline ScenePlate plate_at(const Camera& camera, TagDrawing drawing, const Stanc
   plate.drawing = std::move(drawing);
   double distance = camera.fx * plate.drawing.module / stance.module_px * std::cos(stance.tilt);
   for (int i = 0; i < 6; ++i) {
-    plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, stance.pixel,
-                                                       distance, stance.tilt, 0, stance.roll);
+    plate.camera_from_plate = camera_from_turned_plate(
+        camera, plate.drawing, stance.pixel, distance, stance.tilt, stance.lean, stance.roll);
     const auto truth = plate_truths(camera, std::span(&plate, 1));
     if (truth.front().module_px <= 0) break;
     distance *= truth.front().module_px / stance.module_px;

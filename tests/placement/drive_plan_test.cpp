@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/geometry/vehicle_stance.hpp"
+#include "tagsmith/placement/optimise.hpp"
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/placement/corridors.hpp"
@@ -211,4 +212,38 @@ TEST_CASE("what does not fit is refused in words") {
   Rig high = crawler();
   high.vehicle_height = 3.5;
   CHECK_FALSE(plan_drive(survey, high, {}).has_value());
+}
+
+TEST_CASE("a camera in the rock, or beside it at the envelope's edge, is refused in words") {
+  const Survey survey = straight_survey(10, 4);
+  const auto message = [&](const Rig& rig) {
+    const auto plan = plan_drive(survey, rig, {});
+    return plan ? std::string() : plan.error().message;
+  };
+  Rig rig = crawler();
+  rig.cameras[1].vehicle_from_camera.translation.y() = 5;
+  CHECK(message(rig).find("camera right is 5 m") != std::string::npos);
+  rig = crawler();
+  rig.cameras[0].vehicle_from_camera.translation.z() = 2.9;
+  CHECK(message(rig).find("3.14 m above the floor") != std::string::npos);
+  rig = crawler();
+  rig.cameras[0].vehicle_from_camera.translation.y() = 0.6;
+  CHECK(message(rig).empty());
+  rig.envelope = VehicleEnvelope{0.5, 0, 0, 0, 0};
+  CHECK(message(rig).find("the vehicle 0.5 m aside, camera left is 1.1 m") != std::string::npos);
+}
+
+TEST_CASE("a camera far ahead of the vehicle sees tags as much earlier") {
+  Survey survey = straight_survey(60, 3);
+  survey.series->first = 50;
+  survey = with_layout(survey, {survey.tag_template, *survey.series, std::nullopt});
+  const auto first_seen = [&](double arm) {
+    Rig rig = crawler();
+    for (RigCamera& camera : rig.cameras) camera.vehicle_from_camera.translation.x() = arm;
+    const auto plan = plan_drive(survey, rig, {});
+    REQUIRE(plan.has_value());
+    REQUIRE(plan->tags[0].is_read);
+    return plan->tags[0].first.chainage;
+  };
+  CHECK(first_seen(0) - first_seen(20) == doctest::Approx(20).epsilon(0.005));
 }

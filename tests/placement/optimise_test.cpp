@@ -91,3 +91,31 @@ TEST_CASE("what cannot be had is refused in words") {
   CHECK_FALSE(
       optimise(irregular, crawler(), {}, {}, CostOrder::tags, {}, first_metres()).has_value());
 }
+
+TEST_CASE("what another height serves is demanded, and heights without digits are none") {
+  Survey survey = straight_survey(10, 8, 0.4);
+  survey.series->mount_height = 2.4;  // above the pictures of a camera 0.24 m above the floor
+  survey = with_layout(survey, {survey.tag_template, *survey.series, std::nullopt});
+  const auto found_with = [&](const Freedom& freedom) {
+    return optimise(survey, crawler(), {}, {0.05, 0}, CostOrder::tags, freedom, first_metres());
+  };
+  const auto held = found_with({false, false, false, false});
+  REQUIRE_FALSE(held.has_value());
+  CHECK(held.error().message.find("must change first") != std::string::npos);
+  const auto varied = found_with({true, false, false, false});
+  REQUIRE_MESSAGE(varied.has_value(), varied.error().message);
+  CHECK(varied->demanded_share == 1);
+  survey.code.digit_counts = {5, 4, 2};
+  survey.code.origin[2] = 3;  // no height of this tunnel
+  const auto uncoded = found_with({true, false, false, false});
+  CHECK_FALSE(uncoded.has_value());
+}
+
+TEST_CASE("rounding at the end of a stretch adds no place that nothing is known of") {
+  PlanOptions options;
+  options.to = 3.1999996;
+  options.step = 0.1;
+  const Survey survey = straight_survey(10, 8, 0.4);
+  CHECK_NOTHROW(optimise(survey, crawler(), {}, {0.05, 0}, CostOrder::tags,
+                         {false, false, false, false}, options));
+}

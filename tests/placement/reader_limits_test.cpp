@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/geometry/angle.hpp"
+#include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith::detail;
 
@@ -64,4 +65,22 @@ TEST_CASE("larger tags bear more blur, and their corners are found better") {
   CHECK(corner_sigma_px(3, 0.7) < corner_sigma_px(0.5, 0.7));
   CHECK(corner_sigma_px(1, 2.8) > corner_sigma_px(1, 0.35));
   CHECK(corner_sigma_px(100, 0.1) == corner_sigma_px(50, 0.2));
+}
+
+TEST_CASE("a plate counts for less whose strokes or heights are small in the picture") {
+  TagTemplate tag = test::corridor_template();
+  CHECK(frame_share(tag, 1) == 1);
+  CHECK(frame_share(tag, 3) == 1);  // turned about its vertical axis
+  double before = 1;
+  for (const double lean : {45.0, 60.0, 70.0, 75.0, 80.0}) {
+    const double share = frame_share(tag, std::cos(radians(lean)));
+    CHECK(share < before);
+    before = share;
+  }
+  CHECK(frame_share(tag, std::cos(radians(75.0))) < 0.25);
+  tag.frame_stroke /= 2;
+  CHECK(frame_share(tag, 1) == doctest::Approx(0.58).epsilon(0.02));
+  tag = test::corridor_template();
+  tag.frame_inner_height /= 2;
+  CHECK(frame_share(tag, 1) == doctest::Approx(0.58).epsilon(0.02));
 }

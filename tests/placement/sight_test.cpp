@@ -5,9 +5,11 @@
 #include <cmath>
 #include <random>
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include "decoder/simulate/plate_in_image.hpp"
+#include "tagsmith/geometry/camera.hpp"
 #include "tests/placement/corridors.hpp"
 
 using namespace tagsmith::detail;
@@ -181,4 +183,53 @@ TEST_CASE("out of focus is blurred") {
   CHECK(without->blur_px == kUsualBlurPx);
   CHECK(with->blur_px > 2);
   CHECK(with->travel_book < without->travel_book);
+}
+
+TEST_CASE("a plate is judged by its farther end, and no exposure smears it by more than is read") {
+  const Survey survey = straight_survey(10, 8);
+  const Rig rig = crawler();
+  const SightModel model(survey, rig);
+  int seen = 0;
+  from_drawn_poses(model, [&](const Pose& pose, std::size_t c, const CameraStand& stand,
+                              std::size_t tag) {
+    const auto sight = model.look(c, stand, tag, {});
+    if (!sight || sight->travel_book < 0) return;
+    ++seen;
+    // A module at each end of the frame, by the camera.
+    const double module = module_width(survey.tag_template);
+    const Pose camera_from_plate =
+        inverse(pose * rig.cameras[c].vehicle_from_camera) * survey.tags[tag].world_from_plate;
+    double least = sight->module_px;
+    for (const double x : {0.0, survey.tag_template.frame_inner_length}) {
+      const double y = survey.tag_template.frame_inner_height / 2;
+      const auto from =
+          project(rig.cameras[c].camera, camera_from_plate * Eigen::Vector3d(x - module / 2, y, 0));
+      const auto to =
+          project(rig.cameras[c].camera, camera_from_plate * Eigen::Vector3d(x + module / 2, y, 0));
+      least = std::min(least, (*to - *from).norm());
+    }
+    CHECK(sight->effective_px == doctest::Approx(least).epsilon(0.001));
+    CHECK(sight->travel_book * sight->smear_px <= 3.001 * sight->module_px);
+    CHECK(sight->travel_book * sight->smear_down <= 1.001);
+  });
+  CHECK(seen > 100);
+}
+
+TEST_CASE("bars that lie along the way are smeared by a stroke at most") {
+  Survey survey = straight_survey(10, 8);
+  const Rig rig = crawler();
+  const Pose pose = world_from_vehicle({0, 2, 0.24}, 0);
+  // Turned in its plane about the middle of its frame.
+  Pose& placed = survey.tags[6].world_from_plate;
+  const TagTemplate& tag = survey.tag_template;
+  const Eigen::Vector3d middle(tag.frame_inner_length / 2, tag.frame_inner_height / 2, 0);
+  const Eigen::Vector3d at = placed * middle;
+  placed.rotation =
+      placed.rotation * Eigen::AngleAxisd(radians(90), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  placed.translation = at - placed.rotation * middle;
+  const SightModel model(survey, rig);
+  const auto sight = model.look(0, model.stand(0, pose, 0), 6, {});
+  REQUIRE(sight.has_value());
+  CHECK(sight->travel_book > 0.3 * tag.frame_stroke);
+  CHECK(sight->travel_book < 3 * tag.frame_stroke);
 }

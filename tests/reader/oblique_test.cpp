@@ -73,6 +73,19 @@ TEST_CASE(
   CHECK(read >= 10);  // of 12
 }
 
+TEST_CASE("sharp frames with strokes half as thick as their outline suggests are read") {
+  for (const double degrees : {76.0, 79.0, 82.0, -76.0, -79.0, -82.0}) {
+    for (const double module_px : {0.82, 0.84, 0.86, 0.88}) {
+      CAPTURE(degrees);
+      CAPTURE(module_px);
+      const ReadResult result = read_turned(degrees, module_px, 0.35);
+      REQUIRE(result.tags.size() == 1);
+      CHECK(result.tags[0].digits == kCode);
+      CHECK(result.tags[0].method == ReadingMethod::frame);
+    }
+  }
+}
+
 TEST_CASE("frames whose thin sides show little are found around bars that run together") {
   int read = 0;
   for (const double degrees : {68.0, 70.0, 73.0, -70.0}) {

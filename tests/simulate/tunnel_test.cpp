@@ -278,12 +278,13 @@ TEST_CASE("Places outside of the tunnel are told from those inside") {
   const Survey survey = winding();
   const CenterlinePoint foot = survey.tunnel.centerline.at(7);
   const Vector3d up(0, 0, 1);
-  CHECK(check_in_tunnel(survey, foot.position + up));
-  const auto left = check_in_tunnel(survey, foot.position - 1.6 * right_of(foot.heading) + up);
+  CHECK(check_in_tunnel(survey.tunnel, foot.position + up));
+  const auto left =
+      check_in_tunnel(survey.tunnel, foot.position - 1.6 * right_of(foot.heading) + up);
   REQUIRE_FALSE(left);
   CHECK(left.error().message.find("1.6 m left of the center line") != std::string::npos);
-  CHECK_FALSE(check_in_tunnel(survey, foot.position - 0.1 * up));
-  CHECK_FALSE(check_in_tunnel(survey, foot.position + 2.9 * up));
+  CHECK_FALSE(check_in_tunnel(survey.tunnel, foot.position - 0.1 * up));
+  CHECK_FALSE(check_in_tunnel(survey.tunnel, foot.position + 2.9 * up));
 }
 
 }  // namespace
