@@ -288,6 +288,7 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
               {"photos", report.photos.photos},
               {"undated", report.photos.undated},
               {"future", report.photos.future},
+              {"clock_reset", report.photos.clock_reset},
               {"other_revisions", report.photos.other_revisions},
               {"oldest", to_json(report.oldest)},
               {"newest", to_json(report.newest)},
@@ -431,6 +432,11 @@ std::vector<std::string> doubts_in_words(const LedgerReport& report) {
     sentences.push_back(fmt::format(
         "{} of them dated in the future, and counted as undated: set the camera's clock",
         report.photos.future));
+  }
+  if (report.photos.clock_reset > 0) {
+    sentences.push_back(
+        fmt::format("{} of them dated before {}, and counted as undated: set the camera's clock",
+                    report.photos.clock_reset, kFirstPhotos.substr(0, 4)));
   }
   if (report.photos.other_revisions > 0) {
     sentences.push_back(fmt::format(

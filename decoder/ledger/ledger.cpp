@@ -260,6 +260,8 @@ PlateSighting sighting_of(const Statement& row) {
   if (row.number(14)) {
     seen.offset_mm = {*row.number(14), row.number(15).value_or(0), row.number(16).value_or(0)};
   }
+  seen.revision = row.text(17);
+  seen.entry = row.whole(18);
   return seen;
 }
 
@@ -417,20 +419,22 @@ Result<LedgerCounts> Ledger::count_photos(const std::string& survey, const std::
                                           const std::string& revision) const {
   Statement row(database_.get(),
                 "SELECT count(*), count(*) - count(taken), total(substr(taken, 1, 10) > ?), "
-                "total(revision <> ?) FROM photo WHERE survey = ?");
-  row.put(last, false).put(revision, false);
+                "total(taken < ?), total(revision <> ?) FROM photo WHERE survey = ?");
+  row.put(last, false).put(std::string(kFirstPhotos), false).put(revision, false);
   row.put(survey, false);
   if (!row.step()) return failure(path_, database_.get(), row.failed());
   return LedgerCounts{
       static_cast<std::size_t>(row.whole(0)), static_cast<std::size_t>(row.whole(1)),
-      static_cast<std::size_t>(row.whole(2)), static_cast<std::size_t>(row.whole(3))};
+      static_cast<std::size_t>(row.whole(2)), static_cast<std::size_t>(row.whole(3)),
+      static_cast<std::size_t>(row.whole(4))};
 }
 
 Result<void> Ledger::for_each_sighting(
     const std::string& survey, const std::function<void(const PlateSighting&)>& take) const {
   Statement row(database_.get(),
                 "SELECT tag, digits, taken, up_known, status, rule, message, module_px, grade, "
-                "contrast, modulation, decodability, defects, hanging, right_mm, up_mm, out_mm "
+                "contrast, modulation, decodability, defects, hanging, right_mm, up_mm, out_mm, "
+                "revision, photo.id "
                 "FROM plate JOIN photo ON photo.id = plate.photo WHERE survey = ? "
                 "ORDER BY tag, taken, sha256, place");
   row.put(survey, false);

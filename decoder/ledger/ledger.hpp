@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "decoder/verify/verified_file.hpp"
 #include "tagsmith/base/result.hpp"
@@ -27,7 +28,7 @@ using WearValues = std::array<std::optional<double>, kWearParameters.size()>;
 
 // A plate in a photo, as the ledger has it.
 struct PlateSighting {
-  std::string tag;
+  std::string tag;     // as the survey called it that it was verified against
   std::string digits;  // as read; empty when unreadable
   std::string taken;   // of the photo; empty = not known
   bool up_known = false;
@@ -37,14 +38,20 @@ struct PlateSighting {
   WearValues values{};
   std::string hanging;  // verdict; empty = not judged
   std::optional<std::array<double, 3>> offset_mm;
+  std::string revision;  // of the survey that it was verified against
+  long entry = 0;        // of the photo: greater than those of photos that were entered before
 };
 
 struct LedgerCounts {
   std::size_t photos = 0;
   std::size_t undated = 0;
   std::size_t future = 0;           // dated after the day that was asked for
+  std::size_t clock_reset = 0;      // dated before kFirstPhotos
   std::size_t other_revisions = 0;  // verified against another state of the survey
 };
+
+// No photo of our plates is older (ISO 8601): the clock of a camera that says so was reset.
+inline constexpr std::string_view kFirstPhotos = "2017-01-01";
 
 // What became of photos' results that were to be entered.
 struct LedgerTally {

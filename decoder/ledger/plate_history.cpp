@@ -109,12 +109,21 @@ std::optional<PlateAction> cure_of(std::string_view rule) {
   return std::nullopt;
 }
 
-// Whether the fault would have been found on this day, on which the plate was in order.
-bool tells(const PlateDay& day, const Finding& fault) {
-  if (fault.status == TagStatus::misplaced || fault.status == TagStatus::doubtful) {
-    return day.placed;
+// Whether the fault would have been found on this day, on which the plate was in order. A photo
+// that shows a plate smaller than the fault was found at may not show the fault.
+bool tells(const PlateDay& day, const SeenFault& fault) {
+  constexpr double kAsLarge = 0.8;
+  switch (fault.finding.status) {
+    case TagStatus::misplaced:
+    case TagStatus::doubtful:
+    case TagStatus::duplicate:
+      return day.placed;
+    case TagStatus::misprinted:
+      return day.module_px >= kAsLarge * fault.module_px &&
+             (fault.finding.rule != "upside-down" || day.up_known);
+    default:
+      return true;
   }
-  return fault.rule != "upside-down" || day.up_known;
 }
 
 // Better is greater.
@@ -128,7 +137,7 @@ double failing(std::size_t parameter) {
 
 struct FaultHistory {
   std::optional<MendedFault> mended;
-  std::optional<Finding> open;
+  std::optional<SeenFault> open;
 };
 
 FaultHistory trace_fault(const std::string& tag, const PlateHistory& history,
@@ -139,10 +148,13 @@ FaultHistory trace_fault(const std::string& tag, const PlateHistory& history,
   if (undated != history.without_day.faults.end()) traced.open = undated->second;
   for (const auto& [day, seen] : history.days) {
     const auto fault = seen.faults.find(rule);
+    const bool is_later = found || seen.last_entry > history.without_day.last_entry;
     if (fault != seen.faults.end()) {
+      const double before = traced.open ? traced.open->module_px : fault->second.module_px;
       traced = {std::nullopt, fault->second};
+      traced.open->module_px = std::min(before, fault->second.module_px);
       found = day;
-    } else if (traced.open && seen.in_order && tells(seen, *traced.open)) {
+    } else if (traced.open && is_later && seen.in_order && tells(seen, *traced.open)) {
       traced = {MendedFault{tag, rule, found, day}, std::nullopt};
     }
   }
@@ -322,13 +334,13 @@ void judge_quality(Day newest, PlateState& state) {
 }
 
 void judge_faults(const PlateHistory& history, PlateState& state) {
-  std::map<std::string, Finding> rules = history.without_day.faults;
+  std::map<std::string, SeenFault> rules = history.without_day.faults;
   for (const auto& [day, seen] : history.days) rules.insert(seen.faults.begin(), seen.faults.end());
   for (const auto& [rule, fault] : rules) {
     const FaultHistory traced = trace_fault(state.tag, history, rule);
     if (traced.mended) state.mended.push_back(*traced.mended);
     const PlateAction action = cure_of(rule).value_or(PlateAction::none);
-    if (traced.open) act(action, traced.open->message, state);
+    if (traced.open) act(action, traced.open->finding.message, state);
   }
 }
 
@@ -356,18 +368,23 @@ void add(const PlateSighting& seen, Day last, PlateHistory& history) {
   if (seen.finding.status == TagStatus::cut_off) return;
   ++history.photos;
   const auto day = parse_day(std::string_view(seen.taken).substr(0, 10));
-  const bool has_day = day && *day <= last;
+  const bool has_day = day && *day <= last && seen.taken >= kFirstPhotos;
   if (!has_day) ++history.undated;
   PlateDay& of_day = has_day ? history.days[*day] : history.without_day;
   ++of_day.photos;
+  of_day.last_entry = std::max(of_day.last_entry, seen.entry);
   if (seen.offset_mm) of_day.offset_mm = seen.offset_mm;
   if (seen.finding.is_fault()) {
-    if (cure_of(seen.finding.rule)) of_day.faults.emplace(seen.finding.rule, seen.finding);
+    if (!cure_of(seen.finding.rule)) return;
+    const auto [fault, is_new] =
+        of_day.faults.try_emplace(seen.finding.rule, SeenFault{seen.finding, seen.module_px});
+    if (!is_new) fault->second.module_px = std::min(fault->second.module_px, seen.module_px);
     return;
   }
   of_day.in_order = true;
   of_day.placed = of_day.placed || seen.hanging == "fits";
   of_day.up_known = of_day.up_known || seen.up_known;
+  of_day.module_px = std::max(of_day.module_px, seen.module_px);
   if (seen.grade) of_day.samples.push_back({seen.module_px, *seen.grade, seen.values});
 }
 
@@ -375,8 +392,9 @@ PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day 
   // What hid the plate in one photo and not in another of the day is not on the plate.
   const auto forgive = [](PlateDay& seen) {
     if (!seen.in_order) return;
-    std::erase_if(seen.faults,
-                  [](const auto& fault) { return fault.second.status == TagStatus::unreadable; });
+    std::erase_if(seen.faults, [](const auto& fault) {
+      return fault.second.finding.status == TagStatus::unreadable;
+    });
   };
   PlateHistory dated = history;
   forgive(dated.without_day);
@@ -404,15 +422,24 @@ namespace {
 
 using Histories = std::map<std::string, PlateHistory>;
 
+// The survey's tag that a photo shows: by its digits, whatever it was called then. What was not
+// read, or was misprinted, is known by its name alone, which holds in this state of the survey.
+const PlacedTag* tag_of(const Survey& survey, const std::string& revision,
+                        const PlateSighting& seen) {
+  if (const auto digits = parse_digits(seen.digits)) {
+    if (const PlacedTag* tag = find_tag(survey, *digits)) return tag;
+  }
+  const bool is_named = seen.digits.empty() || seen.finding.is_fault();
+  return is_named && seen.revision == revision ? find_tag(survey, std::string_view(seen.tag))
+                                               : nullptr;
+}
+
 Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day last) {
   Histories histories;
+  const std::string revision = survey_revision(survey);
   const auto take = [&](const PlateSighting& seen) {
-    const PlacedTag* tag = find_tag(survey, std::string_view(seen.tag));
-    if (tag == nullptr) return;
-    // Of a tag that the survey moved since, the plate with the earlier digits is another one.
-    const bool is_other =
-        !seen.digits.empty() && !seen.finding.is_fault() && seen.digits != to_string(tag->digits);
-    if (!is_other) add(seen, last, histories[seen.tag]);
+    const PlacedTag* tag = tag_of(survey, revision, seen);
+    if (tag != nullptr) add(seen, last, histories[tag->name]);
   };
   if (auto read = ledger.for_each_sighting(survey.name, take); !read) {
     return tl::unexpected(read.error());

@@ -82,26 +82,36 @@ struct WearSample {
   WearValues values{};
 };
 
+// A fault, and how large the plate was in the photo that showed it.
+struct SeenFault {
+  Finding finding;
+  double module_px = 0;
+};
+
 // All photos of a plate of one day.
 struct PlateDay {
   std::size_t photos = 0;
   bool in_order = false;
   bool placed = false;    // in order in a photo that told where it hangs
   bool up_known = false;  // in order in a photo that told which way is up
+  double module_px = 0;   // the widest in a photo in which it was in order
+  long last_entry = 0;    // of the photos (PlateSighting::entry)
   std::vector<WearSample> samples;
-  std::map<std::string, Finding> faults;  // by rule
+  std::map<std::string, SeenFault> faults;  // by rule
   std::optional<std::array<double, 3>> offset_mm;
 };
 
 struct PlateHistory {
   std::size_t photos = 0;
   std::size_t undated = 0;
-  PlateDay without_day;  // all photos that say no day: their faults are taken for older than others
+  // All photos that say no day. Their faults are open until a photo that was entered later, and
+  // that says its day, shows the plate in order.
+  PlateDay without_day;
   std::map<Day, PlateDay> days;
 };
 
-// Adds a photo in which the plate is wholly in view. One that is dated after `last` was taken with
-// a wrong clock and counts as undated.
+// Adds a photo in which the plate is wholly in view. One that is dated after `last`, or before
+// kFirstPhotos, was taken with a wrong clock and counts as undated.
 void add(const PlateSighting& seen, Day last, PlateHistory& history);
 
 // The best of a day: what lowers a grade beyond the plate's own is the photo's.

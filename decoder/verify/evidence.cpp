@@ -381,9 +381,22 @@ int differing_digits(const Digits& a, const Digits& b) {
 }
 
 const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits) {
-  const auto nearest = std::ranges::min_element(
-      survey.tags, {}, [&](const PlacedTag& tag) { return differing_digits(tag.digits, digits); });
-  return nearest == survey.tags.end() ? nullptr : &*nearest;
+  const CheckDigit other =
+      survey.code.check == CheckDigit::gs1 ? CheckDigit::sum10 : CheckDigit::gs1;
+  const PlacedTag* nearest = nullptr;
+  int least = static_cast<int>(digits.size());
+  for (const PlacedTag& tag : survey.tags) {
+    const int differing = differing_digits(tag.digits, digits);
+    if (std::ranges::equal(std::span(tag.digits).first<11>(), std::span(digits).first<11>())) {
+      return &tag;
+    }
+    if (differing == least) nearest = nullptr;  // neither one nor the other
+    if (differing < least) nearest = &tag;
+    least = std::min(least, differing);
+  }
+  const bool is_of_other =
+      !has_check_digit(survey.code.check, digits) && has_check_digit(other, digits);
+  return is_of_other ? nullptr : nearest;
 }
 
 const Survey* home_of(std::span<const Survey> also, const Digits& digits) {

@@ -96,7 +96,9 @@ bool leaves(const FrameCorners& corners, const GrayView& image, double larger_by
 // "000L", or the digits of a stranger.
 std::string name_of(const Survey& survey, const Digits& digits);
 
-// The survey's tag whose digits differ least from these; null when the survey has no tags.
+// The survey's tag whose digits differ least from these: the one that differs in the check digit
+// alone, if there is one. Null where two tags are equally near, and where the digits are right by
+// the other scheme of check digits: these were not misread.
 const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits);
 
 // In how many digits two codes differ.

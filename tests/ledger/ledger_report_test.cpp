@@ -196,4 +196,27 @@ TEST_CASE("plates with the digits that a tag had before it was moved are others"
   CHECK(unseen.front() == photo.tags[0].tag);
 }
 
+TEST_CASE(
+    "a plate is known by its digits, whatever the survey called it, and a name alone by its "
+    "state") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  VerifiedFile photo = photo_of_wall(survey, 1, "003L");
+  photo.revision = "another";
+  VerifiedTag& seen = photo.tags[0];
+  seen.status = TagStatus::misprinted;
+  seen.rule = "bent";
+  seen.message = "is bent";
+  seen.digits = find_tag(survey, std::string_view("002L"))->digits;
+  VerifiedTag& nameless = photo.tags[1];
+  nameless.status = TagStatus::unreadable;
+  nameless.rule = "covered";
+  nameless.digits.reset();
+  REQUIRE(ledger.enter(survey.name, std::array{photo}));
+  const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
+  CHECK(plates_to(PlateAction::reprint, survey, report) == std::vector<std::string>{"002L"});
+  CHECK(plates_to(PlateAction::clean, survey, report).empty());
+}
+
 }  // namespace tagsmith::detail

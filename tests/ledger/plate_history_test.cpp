@@ -178,6 +178,40 @@ TEST_CASE("a fault is open until a later day tells that it is gone") {
   CHECK(judge({turned, upright}).action == PlateAction::none);
 }
 
+TEST_CASE(
+    "a misprint is not mended by a photo that shows the plate smaller, a copy not by any photo") {
+  PlateSighting mirrored = bad(kDays[0], TagStatus::misprinted, "mirrored");
+  mirrored.module_px = 6;
+  PlateSighting far = good(kDays[1]);
+  far.module_px = 2.6;
+  CHECK(judge({mirrored, far}).action == PlateAction::reprint);
+  CHECK(judge({mirrored, far}).mended.empty());
+  CHECK(judge({mirrored, far, good(kDays[2])}).action == PlateAction::none);
+  // Found at both sizes.
+  PlateSighting smaller = bad(kDays[0], TagStatus::misprinted, "mirrored");
+  smaller.module_px = 2.8;
+  CHECK(judge({mirrored, smaller, far}).action == PlateAction::none);
+  const PlateSighting copy = bad(kDays[0], TagStatus::duplicate, "duplicate");
+  CHECK(judge({copy, good(kDays[1])}).action == PlateAction::rehang);
+  PlateSighting placed = good(kDays[1]);
+  placed.hanging = "fits";
+  CHECK(judge({copy, placed}).action == PlateAction::none);
+}
+
+TEST_CASE(
+    "a clock that was reset dates nothing, and its photos mend nothing that was entered later") {
+  PlateSighting moved = bad("2000-01-01", TagStatus::misplaced, "moved");
+  PlateSighting placed = good(kDays[0]);
+  placed.hanging = "fits";
+  placed.entry = 1;
+  moved.entry = 2;
+  CHECK(judge({placed, moved}).action == PlateAction::rehang);
+  CHECK(judge({placed, moved}).undated == 1);
+  moved.entry = 1;
+  placed.entry = 2;
+  CHECK(judge({moved, placed}).action == PlateAction::none);
+}
+
 TEST_CASE("what lies with a photo is not the plate's") {
   CHECK(judge({bad(kDays[0], TagStatus::unreadable, "glare")}).action == PlateAction::none);
   const auto covered = bad(kDays[0], TagStatus::unreadable, "covered");
@@ -207,6 +241,7 @@ TEST_CASE("photos are compared where they show the plate about equally large") {
 
 TEST_CASE("a photo without a date is counted and in no trend") {
   std::vector<PlateSighting> seen{good(kDays[0]), good(kDays[1])};
+  for (PlateSighting& later : seen) later.entry = 1;
   PlateSighting undated = bad(kDays[2], TagStatus::misprinted, "mirrored");
   undated.taken.clear();
   seen.push_back(undated);

@@ -45,12 +45,16 @@ TEST_CASE("a reading becomes a finding against the survey") {
   const Case cases[] = {
       {"a code of the survey", "019000000404", TagStatus::ok, "000L", ""},
       {"a valid code that the survey does not have", "019001600401", TagStatus::unknown, "",
-       "019001600401 is not in survey little; nearest is 000L 019000000404, which differs in digit "
-       "6 (found 1, expected 0), digit 7 (found 6, expected 0), digit 12 (found 1, expected 4)"},
+       "019001600401 is not in survey little"},
+      {"one that is nearest to one tag", "019000000413", TagStatus::misprinted, "",
+       "nearest is 000L 019000000404, which differs in digit 11 (found 1, expected 0), digit 12 "
+       "(found 3, expected 4)"},
       {"a code of the survey with the other check digit", "019000000408", TagStatus::misprinted,
        "000L",
        "019000000408 ends with check digit 8, expected 4 (sum10); nearest is 000L 019000000404, "
        "which differs in digit 12 (found 8, expected 4)"},
+      {"with the other check digit, as near to another", "019000800404", TagStatus::misprinted,
+       "001L", "nearest is 001L 019000800402, which differs in digit 12"},
       {"a strange code that neither check digit fits", "123456789013", TagStatus::misprinted, "",
        "123456789013 ends with check digit 3, expected 6 (sum10)"},
       {"a strange code with the other check digit", "123456789012", TagStatus::unknown, "",
