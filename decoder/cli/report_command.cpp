@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -98,6 +99,8 @@ void judge_by_codes(const Survey& survey, VerifiedFile& line) {
     const PlacedTag* same = find_tag(survey, *tag.digits);
     tag.tag = same != nullptr ? same->name : "";
     tag.hung.reset();
+    // By places that may be others now.
+    if (tag.status == TagStatus::misplaced) static_cast<Finding&>(tag) = {};
     if (same != nullptr || tag.status == TagStatus::unknown) continue;
     static_cast<Finding&>(tag) = {
         TagStatus::unknown, "not-in-survey",
@@ -109,9 +112,18 @@ Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey
                               const std::optional<LoadedHanging>& hanging,
                               const std::optional<HungTags>& hung, CommandFiles& files) {
   const std::string revision = survey_revision(survey);
+  // A file that was verified again stands for what an earlier state of the survey made of it.
+  std::set<std::string> current;
+  const Result<void> looked = read_all(options, [&](const VerifiedFile& line) {
+    if (line.revision == revision) current.insert(identity_of(line));
+  });
+  if (!looked) return fail(looked.error().message);
   VerifyMerge merged;
   const auto add = [&](VerifiedFile line) {
-    if (line.revision != revision) judge_by_codes(survey, line);
+    if (line.revision != revision) {
+      if (current.contains(identity_of(line))) return;
+      judge_by_codes(survey, line);
+    }
     if (hanging) judge_hanging(survey, hanging->setup, *hung, line);
     merge(revision, std::move(line), merged);
   };

@@ -279,15 +279,36 @@ std::pair<std::string, std::string> key_of(const VerifiedFile& file) {
   return {file.sha256, file.conditions};
 }
 
+// Under which conditions an earlier run verified the content, that its result stands for the file:
+// the same ones, or, of a photo, without any rig, since where tags hang is judged by the rig all
+// the same. What another rig's photo shows is verified anew.
+Result<std::optional<std::string>> conditions_before(const VerifyRequest& request,
+                                                     const VerifiedBefore& before,
+                                                     const fs::path& file,
+                                                     const std::string& sha256) {
+  VerifyRequest without_rig = request;
+  without_rig.rig = nullptr;
+  for (const VerifyRequest* asked : {&request, &std::as_const(without_rig)}) {
+    Result<std::string> conditions = conditions_of(*asked, file);
+    if (!conditions) return tl::unexpected(conditions.error());
+    if (before.contains({sha256, *conditions})) return std::move(*conditions);
+  }
+  return std::nullopt;
+}
+
 VerifiedOne verify_one(const VerifyCommandOptions& options, const VerifyRequest& request,
                        const VerifiedBefore& before, const fs::path& file) {
   const Result<InputFile> input = read_input_file(file);
   if (!input) return broken(file, input.error());
   const Result<std::string> conditions = conditions_of(request, file);
   if (!conditions) return broken(file, conditions.error());
-  VerifiedOne skipped{{file, input->sha256}, std::nullopt, true};
-  skipped.file.conditions = *conditions;
-  if (before.contains(key_of(skipped.file))) return skipped;
+  const auto known = conditions_before(request, before, file, input->sha256);
+  if (!known) return broken(file, known.error());
+  if (*known) {
+    VerifiedOne skipped{{file, input->sha256}, std::nullopt, true};
+    skipped.file.conditions = **known;
+    return skipped;
+  }
   Result<VerifiedFile> verified = verify_file(request, *input);
   if (!verified) return broken(file, verified.error());
   VerifiedOne one{std::move(*verified)};
@@ -425,7 +446,10 @@ void deliver(const Job& job, VerifiedOne& one, VerifyOutcome& outcome) {
 Result<void> judge_waiting(const Job& job, VerifyOutcome& outcome) {
   const EachFile all = [&](const auto& take) -> Result<void> {
     for (const VerifiedFile& file : outcome.waiting) take(file);
-    return outcome.skipped.empty() ? Result<void>{} : read_resumed(job.options, job.revision, take);
+    if (outcome.skipped.empty()) return {};
+    return read_resumed(job.options, job.revision, [&](const VerifiedFile& line) {
+      if (outcome.skipped.contains(key_of(line))) take(line);
+    });
   };
   Result<std::optional<HungTags>> hung =
       check_hanging("verify", job.request.survey, job.hanging, all);

@@ -156,21 +156,51 @@ std::optional<Finding> find_upside_down(const PictureEvidence& evidence, const T
                         against));
 }
 
-std::optional<Finding> find_misplaced(const PictureEvidence& evidence, const TagEvidence& seen) {
+namespace {
+
+// A tag of the photo that hangs beside another as the survey does not have it.
+struct Contradiction {
+  const TagEvidence* other = nullptr;
+  Finding finding;
+};
+
+std::vector<Contradiction> contradictions_of(const PictureEvidence& evidence,
+                                             const TagEvidence& seen) {
   constexpr double kLeastModule = 2;  // pixels
   const auto is_clear = [](const TagEvidence& tag) {
     return tag.tag.status == TagStatus::ok && tag.tag.module_px >= kLeastModule;
   };
-  std::optional<Finding> found;
-  if (!evidence.is_photo || !is_clear(seen)) return found;
+  std::vector<Contradiction> all;
+  if (!is_clear(seen)) return all;
   bool before = true;
   for (const TagEvidence& other : evidence.tags) {
     if (&other == &seen) before = false;
     if (&other == &seen || !is_clear(other)) continue;
     auto wrong = before ? compare(evidence.survey, other.tag, seen.tag)
                         : compare(evidence.survey, seen.tag, other.tag);
-    if (wrong) found = std::move(wrong);
+    if (wrong) all.push_back({&other, std::move(*wrong)});
   }
+  return all;
+}
+
+}  // namespace
+
+// Of two tags that contradict each other the one hangs wrong that contradicts more others. Where
+// both contradict as many, nothing tells which of them does.
+std::optional<Finding> find_misplaced(const PictureEvidence& evidence, const TagEvidence& seen) {
+  if (!evidence.is_photo) return std::nullopt;
+  const std::vector<Contradiction> own = contradictions_of(evidence, seen);
+  std::optional<Finding> found;
+  bool tells = true;
+  for (const Contradiction& one : own) {
+    const std::size_t others = contradictions_of(evidence, *one.other).size();
+    if (others > own.size()) continue;
+    tells = tells && others < own.size();
+    found = one.finding;
+  }
+  if (!found || tells) return found;
+  found->status = TagStatus::doubtful;
+  found->message += "; one of the two hangs wrong, or both";
   return found;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -464,6 +465,26 @@ void find_stale_by_itself(const Task& task, VerifiedFile& file) {
 
 }  // namespace
 
+namespace {
+
+// What a photo's result depends on of its camera: the lens, and which way is up; empty when it is
+// not known which camera took the photo.
+std::string camera_conditions(const VerifyRequest& request, const std::filesystem::path& path) {
+  if (request.rig == nullptr || request.cameras == nullptr) return {};
+  const std::optional<PhotoOrigin> origin = request.cameras->origin_of(path);
+  if (!origin) return {};
+  const RigCamera& rig_camera = request.rig->cameras[origin->camera];
+  const Camera& camera = rig_camera.camera;
+  const Eigen::Vector3d down = rig_camera.vehicle_from_camera.rotation.row(2);
+  const std::string state =
+      fmt::format("{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(camera.lens), camera.width,
+                  camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
+                  fmt::join(camera.distortion, " "), down.x(), down.y(), down.z());
+  return fmt::format("camera {} {}", rig_camera.name, sha256(state).substr(0, 12));
+}
+
+}  // namespace
+
 Result<std::string> conditions_of(const VerifyRequest& request, const std::filesystem::path& path) {
   const auto manifest = manifest_beside(request, path);
   if (!manifest) return fail(manifest.error().message);
@@ -474,6 +495,9 @@ Result<std::string> conditions_of(const VerifyRequest& request, const std::files
   }
   if (request.scan_dpi) conditions.push_back(format_number(*request.scan_dpi) + " dpi");
   if (!request.also_revisions.empty()) conditions.push_back(request.also_revisions);
+  if (std::string camera = camera_conditions(request, path); !camera.empty()) {
+    conditions.push_back(std::move(camera));
+  }
   return fmt::format("{}", fmt::join(conditions, "; "));
 }
 

@@ -64,7 +64,8 @@ struct VerifyRequest {
 };
 
 // What the file's result depends on besides its content and the survey: resolution of a scan, its
-// name and the manifest beside it, the other surveys. A result that was found under other
+// name and the manifest beside it, the other surveys, the lens of its camera and which way is up in
+// its photos. A result that was found under other
 // conditions does not stand for the file. (Where tags hang, by a rig, is judged of all files anew.)
 // Empty = nothing of these; fails as find_manifest does.
 Result<std::string> conditions_of(const VerifyRequest& request, const std::filesystem::path& path);

@@ -43,12 +43,16 @@ TagEvidence seen(const std::string& digits, double x) {
   return tag;
 }
 
-std::string rule_of(std::vector<TagEvidence> tags) {
+std::optional<Finding> finding_of(std::vector<TagEvidence> tags, std::size_t tag) {
   const Survey survey = hung();
   PictureEvidence evidence{survey, {}};
   evidence.is_photo = true;
   evidence.tags = std::move(tags);
-  const auto found = find_misplaced(evidence, evidence.tags[0]);
+  return find_misplaced(evidence, evidence.tags[tag]);
+}
+
+std::string rule_of(std::vector<TagEvidence> tags) {
+  const auto found = finding_of(std::move(tags), 0);
   return found ? found->rule : "";
 }
 
@@ -58,6 +62,22 @@ TEST_CASE("neighbours in order are in order, exchanged ones are swapped") {
   CHECK(rule_of({seen("019000000404", 100), seen("019000800402", 900)}) == "");
   CHECK(rule_of({seen("019000000404", 900), seen("019000800402", 100)}) == "swapped");
   CHECK(rule_of({seen("019000800402", 100), seen("019000000404", 900)}) == "swapped");
+}
+
+TEST_CASE(
+    "of two tags that contradict each other the one hangs wrong that more others contradict") {
+  const auto first = seen("019000000404", 100), second = seen("019000800402", 900);
+  const auto pair = finding_of({second, seen("019000000404", 1700)}, 0);
+  REQUIRE(pair.has_value());
+  CHECK(pair->status == TagStatus::doubtful);
+  // Two of the left wall as they should hang, and one of the right wall between them.
+  const std::vector<TagEvidence> three{first, seen("000000340401", 500), second};
+  CHECK_FALSE(finding_of(three, 0).has_value());
+  CHECK_FALSE(finding_of(three, 2).has_value());
+  const auto between = finding_of(three, 1);
+  REQUIRE(between.has_value());
+  CHECK(between->status == TagStatus::misplaced);
+  CHECK(between->rule == "wrong-wall");
 }
 
 TEST_CASE("tags of opposite walls side by side in one plane are on a wrong wall") {

@@ -653,6 +653,54 @@ TEST_CASE("jobs that know no rig are merged into where tags hang, by all their p
   CHECK(judged(lines[10]["summary"]) == judged(summary));
   CHECK(lines[10]["summary"]["misplaced"] == expected["misplaced"]);
   CHECK(lines[10]["summary"]["doubtful"] == expected["doubtful"]);
+
+  // What was verified with another lens is verified again.
+  std::string other = *read_file("surveys/corridor/rig.yaml");
+  other.insert(other.find("cameras:"), "# another lens\n");
+  other = std::regex_replace(other, std::regex("focal_length_mm: [0-9.]+"), "focal_length_mm: 6.1");
+  REQUIRE(write_file(folder.path() / "rig.yaml", other).has_value());
+  const auto verify_left = [&](const std::string& of_rig, const std::string& resume) {
+    return run_shell(program + "verify --json " + resume + moved + files + "left.jpg) --run " +
+                     "surveys/corridor/run.csv --rig " + of_rig + " >> " + path + "lens.jsonl'");
+  };
+  verify_left(path + "rig.yaml'", "");
+  const auto count = [&] { return json_lines(*read_file(folder.path() / "lens.jsonl")).size(); };
+  CHECK(count() == 11);
+  const std::string resume = "--resume " + path + "lens.jsonl' ";
+  verify_left("surveys/corridor/rig.yaml", resume);
+  CHECK(count() == 22);
+  verify_left("surveys/corridor/rig.yaml", resume);
+  CHECK(count() == 23);
+}
+
+TEST_CASE(
+    "a file that was verified again stands for what an earlier state of the survey made of it") {
+  const TemporaryFolder folder;
+  const std::string photo = kPhotos + "/corridor_03_left.jpg";
+  const std::string now = run_tagsmith("verify --json " + kSurvey + " " + photo).out;
+  std::string before =
+      std::regex_replace(now.substr(0, now.find('\n') + 1),
+                         std::regex("\"revision\":\"[0-9a-f]+\""), "\"revision\":\"0123456789ab\"");
+  before = std::regex_replace(
+      before, std::regex("\"status\":\"ok\""),
+      "\"status\":\"misplaced\",\"rule\":\"moved\",\"message\":\"hangs elsewhere\"");
+  REQUIRE(before != now.substr(0, now.find('\n') + 1));
+  const fs::path lines = folder.path() / "photos.jsonl";
+  for (const std::string& text : {before + now, now + before}) {
+    REQUIRE(write_file(lines, text).has_value());
+    const ProgramOutput report =
+        run_tagsmith("report --json " + kSurvey + " '" + lines.string() + "'");
+    CHECK(report.err == "");
+    const json summary = json_lines(report.out).at(0)["summary"];
+    CHECK(summary["other_revisions"] == 0);
+    CHECK(summary["faults"] == 0);
+  }
+  // Alone it counts, but not where its tags hung by the places of that state.
+  REQUIRE(write_file(lines, before).has_value());
+  const json alone = json_lines(
+      run_tagsmith("report --json " + kSurvey + " '" + lines.string() + "'").out)[0]["summary"];
+  CHECK(alone["other_revisions"] == 1);
+  CHECK(alone["faults"] == 0);
 }
 
 TEST_CASE("what of where tags hang was not checked, or fits nothing, is told and a finding") {
