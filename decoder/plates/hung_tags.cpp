@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <string_view>
 
@@ -431,6 +432,43 @@ std::vector<Stranger> find_strangers(const Survey& survey, const AdjustmentProbl
   return strangers;
 }
 
+// Tags by the pictures that tie them: each has the number of its group.
+std::vector<std::size_t> groups_of(const AdjustmentProblem& problem,
+                                   const std::vector<HungTag>& tags) {
+  std::vector<std::size_t> group(problem.plates.size());
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const Station& station : problem.stations) {
+    std::optional<std::size_t> first;
+    for (const Sighting& seen : station.sightings) {
+      if (tags[seen.plate].verdict != HangVerdict::fits) continue;
+      if (!first) first = group[seen.plate];
+      std::ranges::replace(group, std::size_t{group[seen.plate]}, std::size_t{*first});
+    }
+  }
+  return group;
+}
+
+std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProblem& problem,
+                                     const std::vector<HungTag>& tags) {
+  const std::vector<std::size_t> group = groups_of(problem, tags);
+  std::vector<UntiedPair> untied;
+  for (const Side side : {Side::left, Side::right}) {
+    std::vector<std::pair<double, std::size_t>> wall;  // by chainage
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+      const PlacedTag* tag = find_tag(survey, std::string_view(tags[i].tag));
+      if (tag->side == side && tags[i].verdict == HangVerdict::fits) {
+        wall.emplace_back(tag->chainage, i);
+      }
+    }
+    std::ranges::sort(wall);
+    for (std::size_t i = 1; i < wall.size(); ++i) {
+      const std::size_t before = wall[i - 1].second, after = wall[i].second;
+      if (group[before] != group[after]) untied.push_back({tags[before].tag, tags[after].tag});
+    }
+  }
+  return untied;
+}
+
 // What to do about a second copy, in each of the stations that show it.
 void add_copy(const AdjustmentProblem& problem, const FoundCopy& copy, HungTags& hung) {
   HungTag tag;
@@ -452,6 +490,22 @@ void add_copy(const AdjustmentProblem& problem, const FoundCopy& copy, HungTags&
 std::string to_string(HangVerdict verdict) {
   constexpr std::array<const char*, 4> kNames{"unchecked", "fits", "off", "doubtful"};
   return kNames[static_cast<std::size_t>(verdict)];
+}
+
+std::optional<std::string> untied_in_words(std::span<const UntiedPair> untied) {
+  constexpr std::size_t kMostNamed = 3;
+  if (untied.empty()) return std::nullopt;
+  std::vector<std::string> pairs;
+  for (const UntiedPair& pair : untied.first(std::min(untied.size(), kMostNamed))) {
+    pairs.push_back(fmt::format("{} and {}", pair.before, pair.after));
+  }
+  const std::string more = untied.size() > kMostNamed
+                               ? fmt::format(" ({} pairs of neighbours in all)", untied.size())
+                               : "";
+  return fmt::format(
+      "no photo ties {}{}: all tags beyond may hang too far along by a slip of the tape, and none "
+      "would tell. A photo that shows both of a pair would",
+      fmt::join(pairs, ", nor "), more);
 }
 
 AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
@@ -529,6 +583,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   }
   for (const FoundCopy& copy : consensus.copies) add_copy(problem, copy, result);
   result.mixed = consensus.mixed;
+  if (!result.nothing_fits) result.untied = untied_pairs(survey, problem, result.tags);
   return result;
 }
 

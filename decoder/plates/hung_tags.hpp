@@ -63,12 +63,21 @@ struct UnplacedTags {
   std::vector<HungTag> tags;
 };
 
+// Neighbours on a wall, by chainage, of the tags that were judged.
+struct UntiedPair {
+  std::string before;
+  std::string after;
+};
+
 struct HungTags {
   std::vector<HungTag> tags;  // of the survey that were seen, in its order
   std::vector<UnplacedTags> unplaced;
   std::vector<Stranger> strangers{};
   std::vector<MixedStations> mixed{};  // the others are judged by their pictures put right
-  std::vector<std::string> notes;      // on pictures that could not be used
+  // Those that no picture shows together, nor a chain of pictures by way of other tags: how far all
+  // on one side hang from all on the other was not judged.
+  std::vector<UntiedPair> untied{};
+  std::vector<std::string> notes;    // on pictures that could not be used
   std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
   std::string rig_doubt{};           // which value of the rig is why (rig_suspicion.hpp), or empty
@@ -93,6 +102,10 @@ void set_survey_sigma(SightedPlate& plate, double sigma, double angle_sigma);
 // "row 3 and row 7 are mixed up: ...": which of a station's cameras has the other's photos cannot
 // be told.
 std::string in_words(const MixedStations& mixed, const Rig& rig);
+
+// "no photo ties 003L and 004L, ...": what was not judged of where tags hang against each other,
+// and what would; nothing when all is tied.
+std::optional<std::string> untied_in_words(std::span<const UntiedPair> untied);
 
 // Which value of the rig explains that the pictures contradict it in one and the same way
 // (suspect_rig), in words; nothing where none does, and of cameras held by hand.

@@ -330,6 +330,7 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
   add_unchecked(survey, seen, hung.tags);
   hung.notes = unused.notes();
   for (const MixedStations& mixed : hung.mixed) hung.notes.push_back(in_words(mixed, setup.rig));
+  if (auto words = untied_in_words(hung.untied)) hung.notes.push_back(std::move(*words));
   if (!hung.rig_doubt.empty()) {
     hung.notes.push_back("the rig is in doubt, and no tag was judged by where it hangs: " +
                          hung.rig_doubt);

@@ -117,6 +117,33 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("neighbours that no photo ties are told: what lies beyond may hang elsewhere together") {
+  Corridor corridor;
+  const std::vector<SightedTag> all = corridor.seen();
+  CHECK(check_hung_tags(corridor.survey, corridor.rig, all).untied.empty());
+  // Of the first place only what hangs before 1 m, of the others what hangs beyond.
+  std::vector<SightedTag> parted;
+  double last_before = 0, first_beyond = 1e9;
+  for (const SightedTag& tag : all) {
+    const double at = find_tag(corridor.survey, std::string_view(tag.tag))->chainage;
+    const bool is_first = tag.station == all.front().station;
+    if (is_first != (at < 1)) continue;
+    parted.push_back(tag);
+    (is_first ? last_before : first_beyond) =
+        is_first ? std::max(last_before, at) : std::min(first_beyond, at);
+  }
+  REQUIRE(last_before < first_beyond);
+  const HungTags judged = check_hung_tags(corridor.survey, corridor.rig, parted);
+  REQUIRE_FALSE(judged.untied.empty());
+  for (const UntiedPair& pair : judged.untied) {
+    CHECK(find_tag(corridor.survey, std::string_view(pair.before))->chainage < 1);
+    CHECK(find_tag(corridor.survey, std::string_view(pair.after))->chainage >= 1);
+  }
+  CHECK(untied_in_words(judged.untied)->find(judged.untied[0].before + " and ") !=
+        std::string::npos);
+  CHECK_FALSE(untied_in_words({}).has_value());
+}
+
 TEST_CASE("what is off is told as who faces the wall has to mend it") {
   struct Case {
     Vector3d shift;  // of the plate, right, down, into the wall
