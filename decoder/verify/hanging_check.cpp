@@ -302,7 +302,9 @@ Result<void> for_each_sighted(
   std::unordered_set<std::size_t> known;
   return files([&](const VerifiedFile& file) {
     if (!file.is_photo() || file.revision != revision) return;
-    if (!known.insert(std::hash<std::string>{}(identity_of(file))).second) return;
+    // A copy of a photo measures nothing anew.
+    const std::string content = file.sha256.empty() ? identity_of(file) : file.sha256;
+    if (!known.insert(std::hash<std::string>{}(content)).second) return;
     std::string note;
     const std::vector<SightedTag> sighted = sighted_tags(survey, setup, file, note);
     take(sighted, note);

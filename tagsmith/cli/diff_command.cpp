@@ -11,6 +11,7 @@
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/print_only.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/compare.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -30,9 +31,12 @@ auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
 
 void print_json(const std::vector<TagDifference>& differences, const Survey& after) {
   for (const TagDifference& difference : differences) {
+    nlohmann::ordered_json turn = nlohmann::ordered_json::array();
+    for (const double angle : difference.turn) turn.push_back(with_decimals(degrees(angle), 3));
     to_stdout("{}\n", json_text({{"tag", difference.tag},
                                  {"change", to_string(difference.change)},
                                  {"distance", with_decimals(difference.distance, 6)},
+                                 {"turn_deg", turn},
                                  {"reason", difference.reason}}));
   }
   to_stdout("{}\n", json_text({{"summary",

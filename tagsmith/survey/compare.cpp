@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/compare.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -23,29 +28,58 @@ double distance_between(const PlacedTag& before, const PlacedTag& after) {
   return (before.world_from_plate.translation - after.world_from_plate.translation).norm();
 }
 
+// Of the plate in its own frame (x to the right, y down, z into the wall): clockwise, right edge
+// out, top out; radians.
+Eigen::Vector3d turn_between(const PlacedTag& before, const PlacedTag& after) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(before.world_from_plate.rotation.transpose() *
+                                               after.world_from_plate.rotation));
+  const Eigen::Vector3d by_axis = turn.angle() * turn.axis();
+  return {by_axis.z(), by_axis.y(), by_axis.x()};
+}
+
+// "turned by 20.0 degrees clockwise and 3.0 degrees top out"; empty when it is not turned.
+std::string turn_text(const Eigen::Vector3d& turn) {
+  constexpr std::array<std::array<const char*, 2>, 3> kWays{{{"clockwise", "counterclockwise"},
+                                                             {"right edge out", "right edge in"},
+                                                             {"top out", "top in"}}};
+  if (turn.norm() < kSameDirection) return {};
+  std::vector<std::string> parts;
+  const double least = std::min(kSameDirection, turn.cwiseAbs().maxCoeff());
+  for (std::size_t i = 0; i < kWays.size(); ++i) {
+    const double angle = turn[static_cast<Eigen::Index>(i)];
+    if (std::abs(angle) < least) continue;
+    parts.push_back(
+        fmt::format("{:.1f} degrees {}", degrees(std::abs(angle)), kWays[i][angle < 0 ? 1 : 0]));
+  }
+  return fmt::format("turned by {}", fmt::join(parts, " and "));
+}
+
 std::optional<TagDifference> compare(const PlacedTag& before, const PlacedTag& after,
                                      const std::string& template_change) {
-  const double distance = distance_between(before, after);
-  const bool moved = distance > kSamePlace || before.side != after.side;
-  const std::string where =
-      moved ? fmt::format("{} mm, from {} to {}", format_number(distance * 1000, 1),
-                          place_text(before.p_in_grid), place_text(after.p_in_grid))
-            : "";
+  TagDifference difference{after.name, TagChange::reprint, distance_between(before, after), {}};
+  difference.turn = turn_between(before, after);
+  std::vector<std::string> hung;
+  if (difference.distance > kSamePlace || before.side != after.side) {
+    hung.push_back(fmt::format("by {} mm, from {} to {}",
+                               format_number(difference.distance * 1000, 1),
+                               place_text(before.p_in_grid), place_text(after.p_in_grid)));
+  }
+  if (std::string turned = turn_text(difference.turn); !turned.empty()) {
+    hung.push_back(std::move(turned));
+  }
+  const std::string where = fmt::format("{}", fmt::join(hung, "; "));
   if (before.digits != after.digits) {
-    return TagDifference{after.name, TagChange::reprint, distance,
-                         "digits " + to_string(before.digits) + " become " +
-                             to_string(after.digits) + (moved ? "; moves by " + where : "")};
+    difference.reason = "digits " + to_string(before.digits) + " become " + to_string(after.digits);
+  } else if (!template_change.empty()) {
+    difference.reason = template_change;
+  } else {
+    if (hung.empty()) return std::nullopt;
+    difference.change = TagChange::move;
+    difference.reason = where;
+    return difference;
   }
-  if (!template_change.empty()) {
-    return TagDifference{after.name, TagChange::reprint, distance,
-                         template_change + (moved ? "; moves by " + where : "")};
-  }
-  const double turned =
-      angle_between(before.world_from_plate.rotation, after.world_from_plate.rotation);
-  if (moved) return TagDifference{after.name, TagChange::move, distance, "by " + where};
-  if (turned < kSameDirection) return std::nullopt;
-  return TagDifference{after.name, TagChange::move, distance,
-                       fmt::format("turned by {:.1f} degrees", degrees(turned))};
+  if (!hung.empty()) difference.reason += "; hangs elsewhere: " + where;
+  return difference;
 }
 
 }  // namespace

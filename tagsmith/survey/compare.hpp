@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
@@ -24,6 +26,8 @@ struct TagDifference {
   double distance =
       0;               // between the old and the new place of P, metres; 0 for new and removed tags
   std::string reason;  // in words
+  // Of the plate, as a viewer sees it: clockwise, right edge out, top out; radians.
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
 };
 
 // Places nearer to each other than this are the same, metres.

@@ -68,7 +68,24 @@ TEST_CASE("a plate that is turned in its place is to be hung again") {
   REQUIRE(turned(0.1).size() == 1);
   CHECK(turned(0.1)[0].change == TagChange::move);
   CHECK(turned(0.1)[0].distance == 0);
-  CHECK(turned(0.1)[0].reason == "turned by 5.7 degrees");
+  CHECK(turned(0.1)[0].reason == "turned by 5.7 degrees clockwise");
+  CHECK(turned(-0.1)[0].reason == "turned by 5.7 degrees counterclockwise");
+  // Moved a little, and its right edge and its top turned out of the wall.
+  Survey after = before;
+  Pose& hung = after.tags[2].world_from_plate;
+  const Eigen::Vector3d right = hung.rotation.col(0), into_wall = hung.rotation.col(2);
+  hung.translation += Eigen::Vector3d(0, 0, 0.001);
+  hung.rotation =
+      hung.rotation * Eigen::AngleAxisd(0.1, Eigen::Vector3d(0, 1, 0)).toRotationMatrix();
+  CHECK(hung.rotation.col(0).dot(into_wall) < 0);
+  std::string reason = compare_surveys(before, after)[0].reason;
+  CHECK(reason.starts_with("by 1 mm, from "));
+  CHECK(reason.ends_with("; turned by 5.7 degrees right edge out"));
+  hung.rotation = before.tags[2].world_from_plate.rotation *
+                  Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 0, 0)).toRotationMatrix();
+  CHECK(hung.rotation.col(1).dot(into_wall) > 0);  // what points down goes in
+  CHECK(hung.rotation.col(0).isApprox(right));
+  CHECK(compare_surveys(before, after)[0].reason.ends_with("; turned by 5.7 degrees top out"));
 }
 
 TEST_CASE("a place at the grid's axes has no sign") {
