@@ -91,8 +91,6 @@ bool is_inside(const Camera& camera, const Vector2d& pixel) {
          pixel.y() >= kBorderPx && pixel.y() <= camera.height - 1 - kBorderPx;
 }
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // An even path of m pixels has a standard deviation of m / sqrt(12). The limits, measured with
 // normal blur, hold for it while it is short: a path of some modules has gaps in its spectrum that
 // no normal blur has (4 modules are not read), and one longer than a stroke leaves none of its

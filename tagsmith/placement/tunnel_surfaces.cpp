@@ -19,8 +19,6 @@ using Eigen::Vector3d;
 
 constexpr double kJoint = 1e-6;  // metres by which neighbouring pieces overlap
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 }  // namespace
 
 TunnelWalls::TunnelWalls(const Tunnel& tunnel, double standoff, double chainage, double reach) {

@@ -11,6 +11,10 @@
 
 namespace tagsmith::detail {
 
+inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
 // ---- The vertical walls of a tunnel, seen from above.
 
 // Where a line of sight, seen from above, first meets a wall.
