@@ -7,7 +7,6 @@
 #include <iterator>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <set>
 #include <string_view>
 
@@ -432,33 +431,17 @@ std::vector<Stranger> find_strangers(const Survey& survey, const AdjustmentProbl
   return strangers;
 }
 
-// Tags by the pictures that tie them: each has the number of its group.
-std::vector<std::size_t> groups_of(const AdjustmentProblem& problem,
-                                   const std::vector<HungTag>& tags) {
-  std::vector<std::size_t> group(problem.plates.size());
-  std::iota(group.begin(), group.end(), std::size_t{0});
-  for (const Station& station : problem.stations) {
-    std::optional<std::size_t> first;
-    for (const Sighting& seen : station.sightings) {
-      if (tags[seen.plate].verdict != HangVerdict::fits) continue;
-      if (!first) first = group[seen.plate];
-      std::ranges::replace(group, std::size_t{group[seen.plate]}, std::size_t{*first});
-    }
-  }
-  return group;
-}
-
 std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProblem& problem,
                                      const std::vector<HungTag>& tags) {
-  const std::vector<std::size_t> group = groups_of(problem, tags);
+  std::vector<bool> fits;
+  for (const HungTag& tag : tags) fits.push_back(tag.verdict == HangVerdict::fits);
+  const std::vector<std::size_t> group = tied_groups(problem, fits);
   std::vector<UntiedPair> untied;
   for (const Side side : {Side::left, Side::right}) {
     std::vector<std::pair<double, std::size_t>> wall;  // by chainage
     for (std::size_t i = 0; i < tags.size(); ++i) {
       const PlacedTag* tag = find_tag(survey, std::string_view(tags[i].tag));
-      if (tag->side == side && tags[i].verdict == HangVerdict::fits) {
-        wall.emplace_back(tag->chainage, i);
-      }
+      if (tag->side == side && fits[i]) wall.emplace_back(tag->chainage, i);
     }
     std::ranges::sort(wall);
     for (std::size_t i = 1; i < wall.size(); ++i) {
@@ -473,11 +456,12 @@ std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProbl
 void add_copy(const AdjustmentProblem& problem, const FoundCopy& copy, HungTags& hung) {
   HungTag tag;
   tag.tag = problem.plates[copy.plate].name;
-  tag.verdict = copy.certain ? HangVerdict::off : HangVerdict::doubtful;
+  const bool is_certain = copy.doubt == HangDoubt::none;
+  tag.verdict = is_certain ? HangVerdict::off : HangVerdict::doubtful;
   tag.rule = "second-copy";
   tag.message = fmt::format(
       "a second copy of {0} hangs in the place of {1}: take it down and hang {1} there{2}", tag.tag,
-      copy.place, copy.certain ? "" : uncertainty(HangDoubt::row));
+      copy.place, uncertainty(copy.doubt));
   for (const std::string& station : copy.stations) {
     auto known = std::ranges::find(hung.unplaced, station, &UnplacedTags::station);
     if (known == hung.unplaced.end()) known = hung.unplaced.insert(known, {station, {}});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -83,14 +84,35 @@ class Judge {
 
   // Several rows with the same mistake are no chance.
   void take_copy(const PlateCopy& copy) {
-    FoundCopy found{copy.of, copy.place, {}, false};
+    FoundCopy found{copy.of, copy.place, {}};
     for (const Station& station : found_.problem.stations) {
       if (shows(station, copy.plate)) found.stations.push_back(station.name);
     }
     if (found.stations.empty() || result_.nothing_fits) return;
     const bool fits = result_.plates[copy.plate].verdict == HangVerdict::fits;
-    found.certain = fits && (found.stations.size() > 1 || !mixed_photos_explain(copy));
+    if (!fits || (found.stations.size() == 1 && mixed_photos_explain(copy))) {
+      found.doubt = HangDoubt::row;
+    } else if (!is_tied_to_original(copy)) {
+      found.doubt = HangDoubt::block;
+    }
     result_.copies.push_back(std::move(found));
+  }
+
+  // Whether pictures tie the original to tags that hang beside the copy. Else these may all hang
+  // elsewhere by a slip in the chain, and what seems a copy is the original.
+  bool is_tied_to_original(const PlateCopy& copy) const {
+    std::vector<bool> counts;
+    for (const PlateCheck& check : result_.plates) {
+      counts.push_back(check.verdict == HangVerdict::fits);
+    }
+    counts[copy.plate] = false;
+    const std::vector<std::size_t> group = tied_groups(found_.problem, counts);
+    return std::ranges::any_of(found_.problem.stations, [&](const Station& station) {
+      return shows(station, copy.plate) &&
+             std::ranges::any_of(station.sightings, [&](const Sighting& seen) {
+               return counts[seen.plate] && group[seen.plate] == group[copy.of];
+             });
+    });
   }
 
   // True when photos that were not taken together explain what shows the copy, too: it is the
@@ -579,6 +601,21 @@ double farthest_corner(const SightedPlate& plate, const PlateOffset& offset) {
 Consensus find_consensus(AdjustmentProblem problem, double tolerance) {
   keep_comparable(problem);
   return Judge(std::move(problem), tolerance).run();
+}
+
+std::vector<std::size_t> tied_groups(const AdjustmentProblem& problem,
+                                     const std::vector<bool>& counts) {
+  std::vector<std::size_t> group(problem.plates.size());
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const Station& station : problem.stations) {
+    std::optional<std::size_t> first;
+    for (const Sighting& seen : station.sightings) {
+      if (!counts[seen.plate]) continue;
+      if (!first) first = group[seen.plate];
+      std::ranges::replace(group, std::size_t{group[seen.plate]}, std::size_t{*first});
+    }
+  }
+  return group;
 }
 
 }  // namespace tagsmith::detail

@@ -71,7 +71,7 @@ struct FoundCopy {
   std::size_t plate = 0;  // what it says that it is
   std::string place;      // the plate whose place it has
   std::vector<std::string> stations;
-  bool certain = false;  // else pictures that were not taken together would explain it, too
+  HangDoubt doubt = HangDoubt::none;  // what else would explain it
 };
 
 struct Consensus {
@@ -96,5 +96,10 @@ double farthest_corner(const SightedPlate& plate, const PlateOffset& offset);
 // another calibration of the rig or size of all frames. Else it is doubtful, and so are its rivals.
 // A plate that disagrees by less than the tolerance fits.
 Consensus find_consensus(AdjustmentProblem problem, double tolerance = kHangTolerance);
+
+// The plates by the pictures that tie them, directly or by way of others: each has the number of
+// its group. Sightings of plates that do not count tie nothing.
+std::vector<std::size_t> tied_groups(const AdjustmentProblem& problem,
+                                     const std::vector<bool>& counts);
 
 }  // namespace tagsmith::detail

@@ -445,6 +445,27 @@ TEST_CASE("a second copy in the place of a tag that nobody saw is told where it 
   }
 }
 
+TEST_CASE(
+    "what seems a copy is none for certain where no photo ties the original to its neighbours") {
+  const Corridor corridor;
+  std::vector<SightedTag> sighted = corridor.seen();
+  const std::string station = std::ranges::find(sighted, "004R", &SightedTag::tag)->station;
+  std::ranges::find(sighted, "004R", &SightedTag::tag)->tag = "000R";
+  // The pair 000 by itself, and all others without it: a block that hangs nearer explains it, too.
+  std::erase_if(sighted, [&](const SightedTag& tag) {
+    const bool is_first_pair = tag.tag == "000L" || (tag.tag == "000R" && tag.station != station);
+    return is_first_pair == (tag.station == station);
+  });
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, sighted);
+  for (const UnplacedTags& unplaced : result.unplaced) {
+    for (const HungTag& tag : unplaced.tags) CHECK(tag.verdict == HangVerdict::doubtful);
+  }
+  const auto copy = std::ranges::find(result.unplaced, station, &UnplacedTags::station);
+  REQUIRE(copy != result.unplaced.end());
+  CHECK(copy->tags[0].rule == "second-copy");
+  CHECK(copy->tags[0].message.find("a slip in the tape") != std::string::npos);
+}
+
 TEST_CASE("a camera that was knocked a degree about any axis is told as the rig's fault") {
   Corridor corridor;
   std::mt19937_64 random(3);
