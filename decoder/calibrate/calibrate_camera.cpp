@@ -2,7 +2,6 @@
 #include "decoder/calibrate/calibrate_camera.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -208,7 +207,7 @@ std::optional<RobustFit> perspective_like(const CalibrationProblem& problem,
   return robust_fit(problem, start, lens_forms(LensModel::perspective)[5]);
 }
 
-// The best fit of each lens model, the better model first.
+// The best fit, and that of the other lens model.
 struct BestFits {
   RobustFit better;
   RobustFit other;

@@ -3,8 +3,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include <fmt/core.h>
@@ -113,15 +113,18 @@ Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey
                               const std::optional<HungTags>& hung, CommandFiles& files) {
   const std::string revision = survey_revision(survey);
   // A file that was verified again stands for what an earlier state of the survey made of it.
-  std::set<std::string> current;
+  std::unordered_set<std::size_t> current;
+  const auto content_of = [](const VerifiedFile& line) {
+    return std::hash<std::string>{}(identity_of(line));
+  };
   const Result<void> looked = read_all(options, [&](const VerifiedFile& line) {
-    if (line.revision == revision) current.insert(identity_of(line));
+    if (line.revision == revision) current.insert(content_of(line));
   });
   if (!looked) return fail(looked.error().message);
   VerifyMerge merged;
   const auto add = [&](VerifiedFile line) {
     if (line.revision != revision) {
-      if (current.contains(identity_of(line))) return;
+      if (current.contains(content_of(line))) return;
       judge_by_codes(survey, line);
     }
     if (hanging) judge_hanging(survey, hanging->setup, *hung, line);

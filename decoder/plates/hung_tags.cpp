@@ -435,7 +435,7 @@ std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProbl
                                      const std::vector<HungTag>& tags) {
   std::vector<bool> fits;
   for (const HungTag& tag : tags) fits.push_back(tag.verdict == HangVerdict::fits);
-  const std::vector<std::size_t> group = tied_groups(problem, fits);
+  const std::vector<std::size_t> group = tied_groups(problem.stations, fits);
   std::vector<UntiedPair> untied;
   for (const Side side : {Side::left, Side::right}) {
     std::vector<std::pair<double, std::size_t>> wall;  // by chainage

@@ -106,7 +106,7 @@ class Judge {
       counts.push_back(check.verdict == HangVerdict::fits);
     }
     counts[copy.plate] = false;
-    const std::vector<std::size_t> group = tied_groups(found_.problem, counts);
+    const std::vector<std::size_t> group = tied_groups(found_.problem.stations, counts);
     return std::ranges::any_of(found_.problem.stations, [&](const Station& station) {
       return shows(station, copy.plate) &&
              std::ranges::any_of(station.sightings, [&](const Sighting& seen) {
@@ -603,19 +603,24 @@ Consensus find_consensus(AdjustmentProblem problem, double tolerance) {
   return Judge(std::move(problem), tolerance).run();
 }
 
-std::vector<std::size_t> tied_groups(const AdjustmentProblem& problem,
+std::vector<std::size_t> tied_groups(std::span<const Station> stations,
                                      const std::vector<bool>& counts) {
-  std::vector<std::size_t> group(problem.plates.size());
-  std::iota(group.begin(), group.end(), std::size_t{0});
-  for (const Station& station : problem.stations) {
+  std::vector<std::size_t> parent(counts.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto root_of = [&parent](std::size_t plate) {
+    while (parent[plate] != plate) plate = parent[plate] = parent[parent[plate]];
+    return plate;
+  };
+  for (const Station& station : stations) {
     std::optional<std::size_t> first;
     for (const Sighting& seen : station.sightings) {
       if (!counts[seen.plate]) continue;
-      if (!first) first = group[seen.plate];
-      std::ranges::replace(group, std::size_t{group[seen.plate]}, std::size_t{*first});
+      if (!first) first = root_of(seen.plate);
+      parent[root_of(seen.plate)] = *first;
     }
   }
-  return group;
+  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = root_of(i);
+  return parent;
 }
 
 }  // namespace tagsmith::detail

@@ -98,8 +98,8 @@ double farthest_corner(const SightedPlate& plate, const PlateOffset& offset);
 Consensus find_consensus(AdjustmentProblem problem, double tolerance = kHangTolerance);
 
 // The plates by the pictures that tie them, directly or by way of others: each has the number of
-// its group. Sightings of plates that do not count tie nothing.
-std::vector<std::size_t> tied_groups(const AdjustmentProblem& problem,
+// its group. Sightings of plates that do not count tie nothing. `counts`: by plate.
+std::vector<std::size_t> tied_groups(std::span<const Station> stations,
                                      const std::vector<bool>& counts);
 
 }  // namespace tagsmith::detail

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -14,6 +13,7 @@
 
 #include "decoder/plates/drive_fit.hpp"
 #include "decoder/plates/plate_adjustment.hpp"
+#include "decoder/plates/plate_consensus.hpp"
 #include "decoder/plates/plate_search.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -87,29 +87,14 @@ void leave_out(Drive& drive, const IsOut& is_out) {
   drive.rows.resize(drive.stations.size());
 }
 
-// By plate, the first plate of all that a chain of stations ties it to.
-std::vector<std::size_t> chains(const Drive& drive) {
-  std::vector<std::size_t> parent(drive.plates.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root_of = [&parent](std::size_t plate) {
-    while (parent[plate] != plate) plate = parent[plate] = parent[parent[plate]];
-    return plate;
-  };
-  for (const Station& station : drive.stations) {
-    const std::size_t first = root_of(station.sightings.front().plate);
-    for (const Sighting& sighting : station.sightings) parent[root_of(sighting.plate)] = first;
-  }
-  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = root_of(i);
-  return parent;
-}
-
 // Leaves out stations that show one plate alone and those that no chain ties to a control plate,
 // and says so of the plates that are then seen no more.
 void keep_tied(Site& site) {
   Drive& drive = site.drive;
   leave_out(drive,
             [&](std::size_t s, std::size_t) { return plates_of(drive.stations[s]).size() < 2; });
-  const std::vector<std::size_t> chain = chains(drive);
+  const std::vector<std::size_t> chain =
+      tied_groups(drive.stations, std::vector<bool>(drive.plates.size(), true));
   std::set<std::size_t> held;
   for (std::size_t i = 0; i < chain.size(); ++i) {
     if (site.is_control[i]) held.insert(chain[i]);
@@ -192,16 +177,7 @@ void find_gross_errors(const Rig& rig, Site& site) {
 
 // The control plates, by the stations that show several of them.
 std::vector<std::vector<std::size_t>> control_groups(const Site& site) {
-  std::vector<std::size_t> group(site.drive.plates.size());
-  std::iota(group.begin(), group.end(), std::size_t{0});
-  for (const Station& station : site.drive.stations) {
-    std::optional<std::size_t> into;
-    for (const Sighting& sighting : station.sightings) {
-      if (!site.is_control[sighting.plate]) continue;
-      if (into) std::ranges::replace(group, group[sighting.plate], *into);
-      into = group[sighting.plate];
-    }
-  }
+  const std::vector<std::size_t> group = tied_groups(site.drive.stations, site.is_control);
   std::map<std::size_t, std::vector<std::size_t>> plates;
   for (std::size_t i = 0; i < group.size(); ++i) {
     if (site.is_control[i]) plates[group[i]].push_back(i);

@@ -231,13 +231,19 @@ void judge_page(const Task& task, const PageImage& page, int number, const std::
   }
 }
 
-// The camera that took the photo; null when it is not known.
-const Camera* camera_of(const VerifyRequest& request, const std::filesystem::path& path,
-                        const GrayView& image) {
+// The rig's camera that took the photo; null when it is not known.
+const RigCamera* rig_camera_of(const VerifyRequest& request, const std::filesystem::path& path) {
   if (request.rig == nullptr || request.cameras == nullptr) return nullptr;
   const std::optional<PhotoOrigin> origin = request.cameras->origin_of(path);
-  if (!origin) return nullptr;
-  const Camera& camera = request.rig->cameras[origin->camera].camera;
+  return origin ? &request.rig->cameras[origin->camera] : nullptr;
+}
+
+// Its lens, where the photo is of its size.
+const Camera* camera_of(const VerifyRequest& request, const std::filesystem::path& path,
+                        const GrayView& image) {
+  const RigCamera* taken = rig_camera_of(request, path);
+  if (taken == nullptr) return nullptr;
+  const Camera& camera = taken->camera;
   return camera.width == image.width && camera.height == image.height ? &camera : nullptr;
 }
 
@@ -463,24 +469,18 @@ void find_stale_by_itself(const Task& task, VerifiedFile& file) {
   find_stale({stated->name, *digits, {}}, task.request.survey, file);
 }
 
-}  // namespace
-
-namespace {
-
 // What a photo's result depends on of its camera: the lens, and which way is up; empty when it is
 // not known which camera took the photo.
 std::string camera_conditions(const VerifyRequest& request, const std::filesystem::path& path) {
-  if (request.rig == nullptr || request.cameras == nullptr) return {};
-  const std::optional<PhotoOrigin> origin = request.cameras->origin_of(path);
-  if (!origin) return {};
-  const RigCamera& rig_camera = request.rig->cameras[origin->camera];
-  const Camera& camera = rig_camera.camera;
-  const Eigen::Vector3d down = rig_camera.vehicle_from_camera.rotation.row(2);
+  const RigCamera* taken = rig_camera_of(request, path);
+  if (taken == nullptr) return {};
+  const Camera& camera = taken->camera;
+  const Eigen::Vector3d down = taken->vehicle_from_camera.rotation.row(2);
   const std::string state =
       fmt::format("{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(camera.lens), camera.width,
                   camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
                   fmt::join(camera.distortion, " "), down.x(), down.y(), down.z());
-  return fmt::format("camera {} {}", rig_camera.name, sha256(state).substr(0, 12));
+  return fmt::format("camera {} {}", taken->name, sha256(state).substr(0, 12));
 }
 
 }  // namespace
