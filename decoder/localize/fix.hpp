@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -154,7 +155,7 @@ struct FixError {
 std::optional<FixError> error_of(const Fix& fix, const Measurement& measurement);
 
 struct FixSummary {
-  int count = 0;
+  std::size_t count = 0;
   int located = 0;
   int confirmed = 0;                   // of the located, those with a confirmation
   std::optional<FixError> mean_error;  // (27) and (25), over the measurements that have an error

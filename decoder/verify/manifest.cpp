@@ -34,6 +34,38 @@ std::optional<Value> find_value(const json& object, const char* key) {
   }
 }
 
+// A key of the manifest and what it states.
+struct StatedLength {
+  const char* key;
+  std::optional<std::size_t> index;  // of a list
+  const char* name;                  // in printed_lengths
+};
+
+constexpr StatedLength kStatedLengths[] = {
+    {"plate_mm", 0, "plate length"},
+    {"plate_mm", 1, "plate height"},
+    {"feature_frame_inner_mm", 0, "frame's inner length"},
+    {"feature_frame_inner_mm", 1, "frame's inner height"},
+    {"feature_frame_stroke_mm", std::nullopt, "frame's stroke"},
+    {"frame_offset_mm", 0, "frame's offset right"},
+    {"frame_offset_mm", 1, "frame's offset up"},
+    {"module_mm", std::nullopt, "module"},
+    {"bar_height_mm", std::nullopt, "bars' height"},
+};
+
+void read_plate(const json& root, PrintManifest& manifest) {
+  for (const StatedLength& stated : kStatedLengths) {
+    if (!stated.index) {
+      if (const auto length = find_value<double>(root, stated.key)) {
+        manifest.lengths[stated.name] = *length;
+      }
+    } else if (const auto lengths = find_value<std::array<double, 2>>(root, stated.key)) {
+      manifest.lengths[stated.name] = (*lengths)[*stated.index];
+    }
+  }
+  manifest.white_on_black = find_value<bool>(root, "white_on_black");
+}
+
 std::optional<ManifestTag> parse_tag(const json& object) {
   const auto name = find_value<std::string>(object, "tag");
   const auto digits = parse_digits(find_value<std::string>(object, "digits").value_or(""));
@@ -90,36 +122,21 @@ std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
   return fmt::format("it lists {} as before the survey was changed: print it again", names);
 }
 
-// What the survey's template has otherwise than it was printed; empty when nothing.
-std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
-  struct Size {
-    const char* key;
-    const char* words;
-    double width;
-    double height;
-  };
-  const Size sizes[] = {
-      {"plate_mm", "a plate", tag.plate_length, tag.plate_height},
-      {"feature_frame_inner_mm", "a feature frame inside", tag.frame_inner_length,
-       tag.frame_inner_height},
-      {"frame_offset_mm", "a feature frame away from the plate's middle by", tag.frame_offset_right,
-       tag.frame_offset_up},
-  };
-  constexpr double kSameSize = 0.001;  // mm
-  for (const Size& size : sizes) {
-    const auto printed = manifest.sizes.find(size.key);
-    if (printed == manifest.sizes.end()) continue;
-    const double width = size.width * 1e3;
-    const double height = size.height * 1e3;
-    if (std::abs(printed->second[0] - width) < kSameSize &&
-        std::abs(printed->second[1] - height) < kSameSize) {
-      continue;
-    }
-    return fmt::format(
-        "it was printed with {} of {} x {} mm, but {} now has {} x {} mm: print it "
-        "again",
-        size.words, format_number(printed->second[0], 3), format_number(printed->second[1], 3),
-        tag.name, format_number(width, 3), format_number(height, 3));
+// What the template has otherwise than was printed; empty when nothing.
+std::string other_plate(const PrintManifest& printed, const TagTemplate& tag) {
+  constexpr double kSameLength = 0.001;  // mm
+  if (printed.white_on_black && *printed.white_on_black != tag.white_on_black) {
+    return fmt::format("it was printed {}, but {} is {} now: print it again",
+                       tag.white_on_black ? "black on white" : "white on black", tag.name,
+                       tag.white_on_black ? "white on black" : "black on white");
+  }
+  for (const PrintedLength& length : printed_lengths(tag)) {
+    const auto stated = printed.lengths.find(length.name);
+    const double now = length.metres * 1e3;
+    if (stated == printed.lengths.end() || std::abs(stated->second - now) < kSameLength) continue;
+    return fmt::format("its {} was printed as {} mm, but {} now has {} mm: print it again",
+                       length.name, format_number(stated->second, 3), tag.name,
+                       format_number(now, 3));
   }
   return {};
 }
@@ -182,10 +199,7 @@ std::optional<TilePlan> parse_tiles(const json& root) {
 // Fields that older manifests lack; whatever is not understood is left out.
 void read_details(const json& root, PrintManifest& manifest) {
   constexpr int kMostDotsPerInch = 10'000;
-  for (const char* key : {"plate_mm", "feature_frame_inner_mm", "frame_offset_mm"}) {
-    if (const auto sizes = find_value<std::array<double, 2>>(root, key))
-      manifest.sizes[key] = *sizes;
-  }
+  read_plate(root, manifest);
   manifest.revision = find_value<std::string>(root, "revision").value_or("");
   manifest.documents =
       find_value<std::vector<std::string>>(root, "documents").value_or(std::vector<std::string>{});
@@ -194,8 +208,12 @@ void read_details(const json& root, PrintManifest& manifest) {
   manifest.tiled = find_value<bool>(root, "tiled").value_or(false);
   manifest.tiles = parse_tiles(root);
   manifest.scale = parse_scale(root);
-  const double dots = find_value<double>(root, "png_dots_per_inch").value_or(0);
-  if (dots >= 1 && dots <= kMostDotsPerInch) manifest.dots_per_inch = static_cast<int>(dots);
+  const auto dots = [&](const char* key) {
+    const double stated = find_value<double>(root, key).value_or(0);
+    return stated >= 1 && stated <= kMostDotsPerInch ? static_cast<int>(stated) : 0;
+  };
+  manifest.dots_per_inch = dots("png_dots_per_inch");
+  manifest.printer_dots_per_inch = dots("dots_per_inch");
 }
 
 }  // namespace
@@ -251,6 +269,11 @@ Result<std::shared_ptr<const PrintManifest>> ManifestCache::find(const fs::path&
   return result;
 }
 
+std::string printed_otherwise(const PrintManifest& manifest, const TagTemplate& tag) {
+  const int dots = manifest.printer_dots_per_inch;
+  return other_plate(manifest, dots > 0 ? drawn_on_dots(tag, dots) : tag);
+}
+
 void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file) {
   for (const ManifestTag& tag : expected) {
     const auto is_it = [&](const VerifiedTag& read) { return read.digits == tag.digits; };
@@ -283,7 +306,7 @@ void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFil
   }
   std::vector<std::string> reasons;
   const std::vector<ManifestTag> tags = tags_of_file(manifest, name);
-  if (!tags.empty()) reasons.push_back(other_plate(manifest, survey.tag_template));
+  if (!tags.empty()) reasons.push_back(printed_otherwise(manifest, survey.tag_template));
   for (const ManifestTag& tag : tags) reasons.push_back(outdated(survey, tag));
   if (tags.empty() && std::ranges::count(manifest.documents, name) > 0) {
     find_changed_tables(manifest, file);

@@ -37,14 +37,16 @@ struct PrintManifest {
   std::string sha256_of_file;
   std::string survey;
   std::vector<ManifestTag> tags;
-  std::string revision{};                                // of the survey; empty = not said
-  std::vector<std::string> documents{};                  // files that hold no tag to hang
-  std::map<std::string, std::string> sha256{};           // by file
-  std::map<std::string, std::array<double, 2>> sizes{};  // plate_mm and others, millimetres
-  bool tiled = false;                                    // the files hold pieces of tags
-  std::optional<TilePlan> tiles{};                       // how these go together, when it is said
-  PrinterScale scale{};                                  // of the printer that PDFs are for
-  int dots_per_inch = 0;                                 // of PNG files; 0 = not said
+  std::string revision{};                       // of the survey; empty = not said
+  std::vector<std::string> documents{};         // files that hold no tag to hang
+  std::map<std::string, std::string> sha256{};  // by file
+  std::map<std::string, double> lengths{};      // of plates, named as by printed_lengths, mm
+  std::optional<bool> white_on_black{};
+  bool tiled = false;               // the files hold pieces of tags
+  std::optional<TilePlan> tiles{};  // how these go together, when it is said
+  PrinterScale scale{};             // of the printer that PDFs are for
+  int dots_per_inch = 0;            // of PNG files; 0 = not said
+  int printer_dots_per_inch = 0;    // that modules were fitted to; 0 = none
 };
 
 // The tags that the manifest says a file holds, in its order.
@@ -80,6 +82,10 @@ void find_unlisted(const PrintManifest& manifest, VerifiedFile& file);
 
 // As find_stale by what a print file says of itself, where no manifest lists it.
 void find_stale(const ManifestTag& stated, const Survey& survey, VerifiedFile& file);
+
+// What the template now has otherwise than the plates were printed, as a reason for their being
+// stale; empty when nothing.
+std::string printed_otherwise(const PrintManifest& manifest, const TagTemplate& tag);
 
 // Adds a finding for each of these tags of the manifest that was not read in its file.
 void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file);

@@ -57,12 +57,10 @@ Error unknown_tag(const Survey& survey, const std::string& option, const std::st
 }
 
 // In the survey's order, each once.
-Result<std::vector<const PlacedTag*>> chosen_tags(const Survey& survey,
-                                                  const PrintOptions& options) {
+Result<TagsToPrint> wanted_tags(const Survey& survey, const PrintOptions& options) {
   const bool listed = !options.only.empty();
-  const bool all = !listed && options.tags.empty();
-  const Result<TagsToPrint> list =
-      listed ? read_tags_to_print(options.only, std::cin) : TagsToPrint{options.tags, ""};
+  Result<TagsToPrint> list =
+      listed ? read_tags_to_print(options.only, std::cin) : TagsToPrint{options.tags};
   if (!list) return fail(list.error().message);
   if (const std::string revision = survey_revision(survey);
       !list->revision.empty() && list->revision != revision) {
@@ -71,11 +69,19 @@ Result<std::vector<const PlacedTag*>> chosen_tags(const Survey& survey,
         "the list was made for, or list the changes to this one with `tagsmith diff`",
         options.only, list->revision, survey.file.string(), revision));
   }
-  for (const std::string& name : list->names) {
-    if (find_tag(survey, name) != nullptr) continue;
-    return tl::unexpected(unknown_tag(survey, listed ? options.only : "--tags", name));
+  for (const auto* names : {&list->names, &list->moved}) {
+    for (const std::string& name : *names) {
+      if (find_tag(survey, name) != nullptr) continue;
+      return tl::unexpected(unknown_tag(survey, listed ? options.only : "--tags", name));
+    }
   }
-  const std::set<std::string> wanted(list->names.begin(), list->names.end());
+  return list;
+}
+
+std::vector<const PlacedTag*> chosen_tags(const Survey& survey, const PrintOptions& options,
+                                          const TagsToPrint& list) {
+  const bool all = options.only.empty() && options.tags.empty();
+  const std::set<std::string> wanted(list.names.begin(), list.names.end());
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : survey.tags) {
     if (all || wanted.contains(tag.name)) tags.push_back(&tag);
@@ -206,15 +212,17 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
-  const Result<PrintStyle> style = style_of(options, *survey, prove);
+  Result<PrintStyle> style = style_of(options, *survey, prove);
   if (!style) return fail(style.error().message);
-  const auto tags = chosen_tags(*survey, options);
-  if (!tags) return fail(tags.error().message);
-  if (tags->empty() && !options.only.empty()) {
+  const Result<TagsToPrint> list = wanted_tags(*survey, options);
+  if (!list) return fail(list.error().message);
+  const std::vector<const PlacedTag*> tags = chosen_tags(*survey, options, *list);
+  if (tags.empty() && !options.only.empty()) {
     to_stderr("tagsmith print: {} names no tag to print\n", options.only);
     return kExitOk;
   }
-  const Result<PrintJob> job = plan_print(*survey, *tags, *style);
+  style->moved = {list->moved.begin(), list->moved.end()};
+  const Result<PrintJob> job = plan_print(*survey, tags, *style);
   if (!job) return fail(job.error().message);
   CommandFiles files;
   files.reads(*survey);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,10 +41,11 @@ struct PrintStyle {
   bool order = false;           // the sign maker's order sheet and cut files go along
   std::filesystem::path zip{};  // all of it in one file as well; empty = none
   Paper setting_out_paper = Paper::a3;
-  double tolerance = 0;         // of a plate's place in that list, metres; 0 = usual_tolerance
-  bool northing_first = false;  // y before x in that list (PNEZD instead of PENZD)
-  ProvePages prove{};           // none = no proof
-  int jobs = 0;                 // cores to use; 0 = all
+  std::set<std::string> moved{};  // tags that go into that list though they are not printed
+  double tolerance = 0;           // of a plate's place in that list, metres; 0 = usual_tolerance
+  bool northing_first = false;    // y before x in that list (PNEZD instead of PENZD)
+  ProvePages prove{};             // none = no proof
+  int jobs = 0;                   // cores to use; 0 = all
 };
 
 // PNG files have the printer's resolution, or this one where none is stated; so do proofs, and P

@@ -20,9 +20,13 @@ struct Wanted {
   std::string name;
   bool print = true;
   std::string revision{};
+  bool move = false;
 };
 
-bool asks_for_print(std::string_view change) { return change == "print" || change == "reprint"; }
+// `change` as tagsmith diff says it.
+Wanted changed(const std::string& tag, std::string_view change) {
+  return {tag, change == "print" || change == "reprint", {}, change == "move"};
+}
 
 Wanted from_json(const std::string& line) {
   const nlohmann::json object = parse_json(line);
@@ -36,7 +40,7 @@ Wanted from_json(const std::string& line) {
   if (tag == object.end() || !tag->is_string()) return {};
   if (change == object.end()) return {tag->get<std::string>()};
   if (!change->is_string()) return {};
-  return {tag->get<std::string>(), asks_for_print(change->get<std::string>())};
+  return changed(*tag, change->get<std::string>());
 }
 
 Wanted from_comment(const std::string& line) {
@@ -50,8 +54,8 @@ Wanted from_words(const std::string& line) {
   std::string second;
   words >> first >> second;
   if (second.empty()) return {first};
-  const bool change = asks_for_print(first) || first == "move" || first == "remove";
-  return change ? Wanted{second, asks_for_print(first)} : Wanted{};
+  const Wanted wanted = changed(second, first);
+  return wanted.print || wanted.move || first == "remove" ? wanted : Wanted{};
 }
 
 }  // namespace
@@ -85,6 +89,7 @@ Result<TagsToPrint> read_tags_to_print(const std::string& path, std::istream& st
     }
     if (!wanted.revision.empty()) tags.revision = wanted.revision;
     if (wanted.print) tags.names.push_back(wanted.name);
+    if (wanted.move) tags.moved.push_back(wanted.name);
   }
   return tags;
 }

@@ -106,8 +106,11 @@ Json common_json(const PrintJob& job) {
           {"page_mm", {mm(page.width), mm(page.height)}},
           {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
           {"feature_frame_inner_mm", {mm(tag.frame_inner_length), mm(tag.frame_inner_height)}},
+          {"feature_frame_stroke_mm", mm(tag.frame_stroke)},
           {"frame_offset_mm", {mm(tag.frame_offset_right), mm(tag.frame_offset_up)}},
           {"module_mm", mm(module_width(tag))},
+          {"bar_height_mm", mm(bar_height(tag))},
+          {"white_on_black", tag.white_on_black},
           {"quiet_zone_modules", to_micrometre(tag.quiet_zone_modules)},
           {"dots_per_inch", job.dots_per_inch()},
           {"png_dots_per_inch", job.png_dots_per_inch()},
@@ -389,12 +392,23 @@ Result<std::string> setting_out_pdf(const Survey& survey, std::span<const Settin
   return render_pdf(sheets);
 }
 
+// In the survey's order: the tags that the folder holds plates of, and those whose plates move.
+std::vector<const PlacedTag*> tags_to_hang(const PrintJob& job, const PrintRecord& record) {
+  std::set<std::string> names = job.style.moved;
+  for (const PrintedTag& printed : record.tags) names.insert(printed.tag->name);
+  for (const Json& kept : Json::parse(record.kept_tags)) names.insert(kept.at("tag"));
+  std::vector<const PlacedTag*> tags;
+  for (const PlacedTag& tag : job.survey->tags) {
+    if (names.contains(tag.name)) tags.push_back(&tag);
+  }
+  return tags;
+}
+
 Result<void> write_setting_out(const PrintJob& job, const PrintRecord& record,
                                const StagedFiles& files) {
   if (!job.style.setting_out) return {};
   const Survey& survey = *job.survey;
-  std::vector<const PlacedTag*> tags;
-  for (const PrintedTag& printed : record.tags) tags.push_back(printed.tag);
+  const std::vector<const PlacedTag*> tags = tags_to_hang(job, record);
   const double tolerance = job.style.tolerance > 0 ? job.style.tolerance : usual_tolerance(survey);
   const std::vector<SettingOut> list = setting_out(survey, tags, tolerance);
   auto added = files.add(kSettingOutList, setting_out_csv(survey, list, job.style.northing_first));
@@ -471,6 +485,7 @@ Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder,
     auto written = write_print(job, files, [&] { bar.advance([] {}); });
     if (!written) return written;
   }
+  keep_earlier_tags(job, folder, record);
   if (auto written = write_setting_out(job, record, files); !written) return written;
   if (auto written = write_order(job, record, files); !written) return written;
   if (auto proved = prove_all(job, files, record); !proved || has_problems(record)) return proved;
@@ -479,7 +494,6 @@ Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder,
     if (!found) return fail(found.error().message);
     hash = *found;
   }
-  keep_earlier_tags(job, folder, record);
   auto added = files.add(kManifestJson, print_manifest_json(job, record));
   if (added) added = files.add(kManifestCsv, print_manifest_csv(job, record));
   if (!added || job.style.zip.empty()) return added ? files.publish() : added;

@@ -90,32 +90,30 @@ std::string to_string(TagChange change) {
   return kNames[static_cast<std::size_t>(change)];
 }
 
+std::vector<PrintedLength> printed_lengths(const TagTemplate& tag) {
+  return {{"plate length", tag.plate_length},
+          {"plate height", tag.plate_height},
+          {"frame's inner length", tag.frame_inner_length},
+          {"frame's inner height", tag.frame_inner_height},
+          {"frame's stroke", tag.frame_stroke},
+          {"frame's offset right", tag.frame_offset_right},
+          {"frame's offset up", tag.frame_offset_up},
+          {"module", module_width(tag)},
+          {"bars' height", bar_height(tag)}};
+}
+
 std::string describe_template_change(const TagTemplate& before, const TagTemplate& after) {
-  struct Length {
-    const char* name;
-    double before;
-    double after;
-  };
-  const Length lengths[] = {
-      {"plate length", before.plate_length, after.plate_length},
-      {"plate height", before.plate_height, after.plate_height},
-      {"frame's inner length", before.frame_inner_length, after.frame_inner_length},
-      {"frame's inner height", before.frame_inner_height, after.frame_inner_height},
-      {"frame's stroke", before.frame_stroke, after.frame_stroke},
-      {"frame's offset right", before.frame_offset_right, after.frame_offset_right},
-      {"frame's offset up", before.frame_offset_up, after.frame_offset_up},
-      {"module", module_width(before), module_width(after)},
-      {"bars' height", bar_height(before), bar_height(after)},
-  };
   if (before.white_on_black != after.white_on_black) {
     return after.white_on_black ? "it becomes white on black" : "it becomes black on white";
   }
   constexpr double kSameLength = 1e-6;
-  for (const Length& length : lengths) {
-    if (std::abs(length.before - length.after) < kSameLength) continue;
-    return fmt::format("the {} becomes {} mm (was {})", length.name,
-                       format_number(length.after * 1000, 3),
-                       format_number(length.before * 1000, 3));
+  const std::vector<PrintedLength> old_lengths = printed_lengths(before);
+  const std::vector<PrintedLength> new_lengths = printed_lengths(after);
+  for (std::size_t i = 0; i < old_lengths.size(); ++i) {
+    if (std::abs(old_lengths[i].metres - new_lengths[i].metres) < kSameLength) continue;
+    return fmt::format("the {} becomes {} mm (was {})", old_lengths[i].name,
+                       format_number(new_lengths[i].metres * 1000, 3),
+                       format_number(old_lengths[i].metres * 1000, 3));
   }
   return {};
 }

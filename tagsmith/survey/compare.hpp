@@ -41,6 +41,14 @@ inline constexpr double kSameDirection = 0.0025;
 // where the plate is printed anew anyway: the code identifies a plate.
 std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& after);
 
+// A length of what is printed on a plate: plates that agree in all of these, and in their colours,
+// are drawn alike but for their labels.
+struct PrintedLength {
+  const char* name;
+  double metres;
+};
+std::vector<PrintedLength> printed_lengths(const TagTemplate& tag);
+
 // What differs between two templates in what is printed, in words; empty when nothing does.
 std::string describe_template_change(const TagTemplate& before, const TagTemplate& after);
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/checksum.hpp"
@@ -236,6 +237,10 @@ TEST_CASE("diff tells what to do, and print --only prints what it asks for") {
     REQUIRE_MESSAGE(printed.exit_code == 0, printed.err);
     CHECK(manifest_in(out)["tags"].size() == 1);
     CHECK(fs::exists(out / "002L.pdf"));
+    // Who hangs the new plate also moves the other.
+    const std::string to_hang = read_file(out / "setting-out.csv").value();
+    CHECK(std::ranges::count(to_hang, '\n') == 3);
+    CHECK(to_hang.find("\n003L,1.9000,2.4500,") != std::string::npos);
     fs::remove_all(out);
     // The list asks for the new survey's plates.
     const ProgramOutput old = print(kCorridor, out, "--only '" + list.string() + "'");
@@ -250,6 +255,17 @@ TEST_CASE("diff tells what to do, and print --only prints what it asks for") {
                                   "--only '" + (folder.path() / "bad.txt").string() + "'");
   CHECK(bad.exit_code == 2);
   CHECK(bad.err.find("bad.txt:1: `please print all`") != std::string::npos);
+}
+
+TEST_CASE("the setting-out list has all tags of the folder, those of earlier prints too") {
+  const TemporaryFolder folder;
+  REQUIRE(print(kCorridor, folder.path(), "--format pdf --tags 000L,001L").exit_code == 0);
+  REQUIRE(print(kCorridor, folder.path(), "--format pdf --tags 001L,000R").exit_code == 0);
+  CHECK(manifest_in(folder.path())["tags"].size() == 3);
+  const std::string list = read_file(folder.path() / "setting-out.csv").value();
+  CHECK(std::ranges::count(list, '\n') == 4);
+  CHECK(run_tagsmith(fmt::format("verify {} '{}'", kCorridor, folder.path().string())).exit_code ==
+        0);
 }
 
 TEST_CASE("a sign maker's PDF has trim, bleed and the cut contour as a spot colour") {

@@ -234,6 +234,36 @@ TEST_CASE("files are stale when the survey has moved a tag, changed its digits o
   CHECK(verify() == 3);
 }
 
+TEST_CASE("prints of a template that draws plates otherwise are stale, and nothing else is said") {
+  const TemporaryFolder folder;
+  const std::string tag = *read_file("templates/tag-400x300.yaml");
+  const fs::path survey = folder.path() / "survey.yaml";
+  REQUIRE(write_file(survey, *read_file(kSurvey)).has_value());
+  REQUIRE(write_file(folder.path() / "tag-400x300.yaml", tag).has_value());
+  const auto verify = [&](const std::string& before, const std::string& after) {
+    std::string changed = tag;
+    if (!before.empty()) changed.replace(changed.find(before), before.size(), after);
+    REQUIRE(write_file(folder.path() / "tag-400x300.yaml", changed).has_value());
+    return json_lines(run_tagsmith(fmt::format("verify --json '{}' '{}'", survey.string(),
+                                               (folder.path() / "print" / "003L.pdf").string()))
+                          .out)
+        .front();
+  };
+  for (const char* dots : {"", " --dpi 300"}) {
+    REQUIRE(run_tagsmith(fmt::format("print '{}' -o '{}' --format pdf --tags 003L{}",
+                                     survey.string(), (folder.path() / "print").string(), dots))
+                .exit_code == 0);
+    CHECK(!verify("", "").contains("rules"));
+    for (const auto& [before, after] :
+         {std::pair{"stroke: 0.012", "stroke: 0.014"}, std::pair{"quiet_zone: 9", "quiet_zone: 12"},
+          std::pair{"margin: 9", "margin: 11"}}) {
+      const json line = verify(before, after);
+      CHECK_MESSAGE(line["rules"] == json({"stale"}), line.dump());
+    }
+    verify("", "");
+  }
+}
+
 TEST_CASE("files of an earlier print are stale, listed or not, and with other tables told") {
   const TemporaryFolder folder;
   const fs::path print = folder.path() / "print";
