@@ -173,10 +173,10 @@ std::string tag_table_text(const PlannedDrive& drive) {
 std::string plan_heading(const PlannedDrive& drive) {
   const DrivePlan& plan = drive.plan;
   const VehicleEnvelope envelope = drive.rig.envelope.value_or(VehicleEnvelope{});
-  std::string text =
-      fmt::format("{} with {}: chainage {:.2f} to {:.2f} m every {} m, {} each", drive.survey.name,
-                  drive.rig.name, plan.columns.front().chainage, plan.columns.back().chainage,
-                  format_number(plan.options.step, 4), counted(plan.poses_per_column, "pose"));
+  std::string text = fmt::format("{} with {}: chainage {:.2f} to {:.2f} m every {} m, {} each",
+                                 drive.survey.name, drive.rig.name, plan.columns.front().chainage,
+                                 plan.columns.back().chainage, format_number(plan.options.step, 4),
+                                 counted(static_cast<std::size_t>(plan.poses_per_column), "pose"));
   if (!drive.rig.envelope) return text + " (the rig has no envelope: only the center line)";
   text += fmt::format(" (up to {} m and {} deg to either side", format_number(envelope.lateral, 3),
                       format_number(degrees(envelope.yaw), 2));

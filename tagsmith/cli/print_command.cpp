@@ -121,7 +121,7 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   if (!options.profile.empty()) {
     Result<PrinterProfile> profile = read_printer_profile(options.profile);
     if (!profile) return fail(profile.error().message);
-    style.bar_adjustment = bar_adjustment_for(*profile);
+    style.bar_adjustment = bar_adjustment_for(*profile, survey.tag_template.white_on_black);
     style.printer = std::move(*profile);
   }
   if (!options.press.empty()) {
@@ -180,7 +180,7 @@ void report(const PrintRecord& record, const PrintOptions& options) {
 }
 
 void report_problems(const PrintRecord& record) {
-  int problems = 0;
+  std::size_t problems = 0;
   for (const TagProof& proof : *record.proofs) {
     if (proof.problem.empty()) continue;
     ++problems;
@@ -284,7 +284,7 @@ std::vector<CommandOption> printer_options(PrintOptions& options) {
           "PNG and of the proof (default: the template's dots_per_inch, else 300 for those)"),
       length_option("--bar-adjust", options.style.bar_adjustment,
                     "Added to the width of every bar and of the frame, mm; -0.1 takes away "
-                    "what the ink adds (default: 0)",
+                    "what the ink adds, 0.1 on plates white on black (default: 0)",
                     -10, 10),
       excluding({"--bar-adjust"},
                 file_option("--profile", &options.profile,

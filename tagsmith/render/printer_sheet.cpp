@@ -75,7 +75,7 @@ Result<Sheet> printer_sheet(const PrintPaper& paper, const PrinterProfile& profi
                 format_number((test.width + 2 * kUnprinted) * 1000) + " x " +
                 format_number((test.height + 2 * kUnprinted) * 1000) + " mm, for example A4");
   }
-  const double adjustment = bar_adjustment_for(profile);
+  const double adjustment = bar_adjustment_for(profile, false);
   Sheet sheet = sheet_of(page_of(test, paper, corner, adjustment));
   SheetLayer bars{"width-steps", {}};
   for (const Rectangle& bar : test.upright) {

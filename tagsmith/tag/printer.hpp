@@ -31,7 +31,8 @@ struct PrinterProfile {
 };
 
 // What takes the growth away, metres: a bar stands across or down the page, so the mean of both.
-double bar_adjustment_for(const PrinterProfile& profile);
+// Ink makes bars wider where they are printed, and narrower where they are what it leaves white.
+double bar_adjustment_for(const PrinterProfile& profile, bool white_on_black);
 
 // ---- Tags whose edges fall between a printer's dots, and bars that grow when they are printed.
 

@@ -29,8 +29,9 @@ Digits mark_code(std::uint8_t number) {
 
 }  // namespace
 
-double bar_adjustment_for(const PrinterProfile& profile) {
-  return -(profile.growth_right + profile.growth_down) / 2;
+double bar_adjustment_for(const PrinterProfile& profile, bool white_on_black) {
+  const double growth = (profile.growth_right + profile.growth_down) / 2;
+  return white_on_black ? growth : -growth;
 }
 
 PrinterTest printer_test() {

@@ -101,6 +101,19 @@ GrayImage print_and_scan(const fs::path& pdf, const Printer& printer, const Scan
 
 double mm_per_dot() { return kMillimetresPerInch / kPrinterDpi; }
 
+// Of the feature frame inside, millimetres, as the printer and a scanner make it.
+double length_in_scan(const fs::path& pdf, const fs::path& survey, const Printer& printer) {
+  Scanner scanner;
+  scanner.dpi = 150;
+  const Survey loaded = load_survey(survey).value();
+  ReadOptions options = read_options_for({&loaded, 1});
+  options.code_book.clear();
+  const ReadResult read = read_tags(print_and_scan(pdf, printer, scanner).view(), options);
+  REQUIRE(read.tags.size() == 1);
+  const auto& [p, f, r, q] = read.tags.front().corners;
+  return (distance(p, f) + distance(q, r)) / 2 / 150 * kMillimetresPerInch;
+}
+
 }  // namespace
 
 TEST_CASE("a printer is measured from a scan; what its profile says is gone from the next print") {
@@ -158,20 +171,21 @@ TEST_CASE("plates printed with a profile have their size, are proved and verifie
     const ProgramOutput verified = run_tagsmith("verify " + survey + " " + out.string());
     CHECK_MESSAGE(verified.exit_code == 0, verified.out);
   }
-  const auto length_of = [&](const fs::path& pdf) {
-    Scanner scanner;
-    scanner.dpi = 150;
-    const Survey loaded = load_survey(survey).value();
-    ReadOptions options = read_options_for({&loaded, 1});
-    options.code_book.clear();
-    const ReadResult read = read_tags(print_and_scan(pdf, printer, scanner).view(), options);
-    REQUIRE(read.tags.size() == 1);
-    const auto& [p, f, r, q] = read.tags.front().corners;
-    return (distance(p, f) + distance(q, r)) / 2 / 150 * kMillimetresPerInch;
-  };
-  const double length = length_of(out / "000L.pdf");
+  const double length = length_in_scan(out / "000L.pdf", survey, printer);
   MESSAGE("feature frame inside: " << length << " mm");
   CHECK(length == doctest::Approx(343).epsilon(0.0003));
+
+  // The ink of a white plate's bars is that around a black plate's.
+  const fs::path black = folder.path() / "survey.yaml";
+  REQUIRE(write_file(black, *read_file(survey)));
+  REQUIRE(write_file(folder.path() / "tag-400x300.yaml",
+                     *read_file("templates/tag-400x300.yaml") + "white_on_black: true\n"));
+  REQUIRE(run_tagsmith(fmt::format("print {} -o {} --tags 000L --format pdf --profile {}",
+                                   black.string(), (folder.path() / "black").string(),
+                                   profile.string()))
+              .exit_code == 0);
+  CHECK(length_in_scan(folder.path() / "black" / "000L.pdf", black, printer) ==
+        doctest::Approx(343).epsilon(0.0003));
 }
 
 TEST_CASE("what is no scan of the sheet, and no profile, is refused and nothing written") {
