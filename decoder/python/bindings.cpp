@@ -55,10 +55,14 @@ ImageView view_of(const py::array& array) {
   if (array.size() > 0 && array.shape(1) > 1 && array.strides(1) != 1) {
     throw py::value_error("the pixels of a row are not neighbours: use numpy.ascontiguousarray");
   }
+  // numpy says 0 where all rows are the same, ImageView where they follow each other.
+  if (array.shape(0) > 1 && array.strides(0) == 0) {
+    throw py::value_error("all rows of the image are one row: use numpy.ascontiguousarray");
+  }
   constexpr py::ssize_t kMost = 1 << 30;
   if (array.shape(0) > kMost || array.shape(1) > kMost) throw py::value_error("too large an image");
   return {static_cast<const std::uint8_t*>(array.data()), static_cast<int>(array.shape(1)),
-          static_cast<int>(array.shape(0)), array.strides(0)};
+          static_cast<int>(array.shape(0)), array.shape(0) > 1 ? array.strides(0) : array.shape(1)};
 }
 
 }  // namespace

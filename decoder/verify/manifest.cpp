@@ -105,21 +105,17 @@ std::string outdated(const Survey& survey, const ManifestTag& printed) {
 
 // Why a document of all tags, such as the setting-out list, no longer holds; empty when it does.
 std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
-  std::string names;
-  std::size_t count = 0;
-  constexpr std::size_t kMostNamed = 8;
+  std::vector<std::string> names;
   for (const ManifestTag& tag : manifest.tags) {
-    if (tag.is_kept || outdated(survey, tag).empty()) continue;
-    if (++count <= kMostNamed) names += (names.empty() ? "" : " ") + tag.name;
+    if (!tag.is_kept && !outdated(survey, tag).empty()) names.push_back(tag.name);
   }
-  if (count == 0) {
+  if (names.empty()) {
     const std::string now = survey_revision(survey);
     if (manifest.revision.empty() || manifest.revision == now) return {};
     return fmt::format("it is of another state of the survey ({}, now {}): print it again",
                        manifest.revision, now);
   }
-  if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
-  return fmt::format("it lists {} as before the survey was changed: print it again", names);
+  return fmt::format("it lists {} as before the survey was changed: print it again", listed(names));
 }
 
 // What the template has otherwise than was printed; empty when nothing.

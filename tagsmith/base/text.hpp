@@ -43,6 +43,9 @@ std::string format_number(double value, int decimals = 6);
 // "1 file", "3 files", of a noun whose plural has an s.
 std::string counted(std::size_t count, std::string_view noun);
 
+// "000L 000R 001L and 13 more": eight names at most.
+std::string listed(std::span<const std::string> names);
+
 // A length in millimetres: 343, 0.264.
 std::string mm_text(double metres, int decimals = 3);
 

@@ -155,6 +155,12 @@ void warn(const PrintJob& job) {
   }
 }
 
+void warn_of_earlier(const PrintRecord& record, const std::string& folder) {
+  for (const std::string& warning : record.warnings) {
+    to_stderr("tagsmith print: warning: {}: {}\n", folder, warning);
+  }
+}
+
 void report(const PrintRecord& record, const PrintOptions& options) {
   const std::string folder = (std::filesystem::path(options.folder) / "").string();
   std::vector<std::string> others;
@@ -238,6 +244,7 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   }
   if (record->proofs) report_proof(*record);
   if (job->roll) report_roll(*job);
+  warn_of_earlier(*record, options.folder);
   report(*record, options);
   return kExitOk;
 }

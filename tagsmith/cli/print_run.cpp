@@ -118,7 +118,9 @@ Json common_json(const PrintJob& job) {
           {"rounding", job.rounding},
           {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
           {"material", tag.material},
-          {"paper", job.style.paper ? job.style.paper->name : ""}};
+          {"paper", job.style.paper ? job.style.paper->name : ""},
+          {"tiles", job.tiles ? tiles_json(*job.tiles) : Json()},
+          {"printer", job.style.printer ? printer_json(*job.style.printer) : Json()}};
 }
 
 Json tags_json(const PrintRecord& record) {
@@ -127,20 +129,55 @@ Json tags_json(const PrintRecord& record) {
   return tags;
 }
 
-// A tag of an earlier print all of whose files are still there.
-void keep_tag(Json tag, const Json& earlier, const std::filesystem::path& folder,
-              PrintRecord& record, Json& kept) {
+// What becomes of the tags of an earlier print.
+struct EarlierTags {
+  Json kept = Json::array();         // all of whose files are still there
+  std::vector<std::string> gone;     // names of those whose files this print replaces
+  std::vector<std::string> changed;  // files of those that the survey has otherwise now
+  std::vector<std::string> again;    // files of those that this print has, too
+};
+
+void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& folder,
+                  const Survey& survey, PrintRecord& record, EarlierTags& tags) {
+  const auto name = tag.at("tag").get<std::string>();
   const auto files = tag.at("files").get<std::vector<std::string>>();
+  const bool is_printed = std::ranges::any_of(
+      record.tags, [&](const PrintedTag& printed) { return printed.tag->name == name; });
   std::error_code ignored;
-  const auto is_there = [&](const std::string& file) {
-    return !record.sha256.contains(file) && std::filesystem::exists(folder / file, ignored);
-  };
-  if (files.empty() || !std::ranges::all_of(files, is_there)) return;
+  for (const std::string& file : files) {
+    if (record.sha256.contains(file)) {
+      if (!is_printed) tags.gone.push_back(name);
+      return;
+    }
+    if (!std::filesystem::exists(folder / file, ignored)) return;
+  }
+  if (files.empty()) return;
   for (const std::string& file : files) {
     record.kept_sha256[file] = earlier.at("sha256").at(file).get<std::string>();
   }
+  const PlacedTag* now = find_tag(survey, std::string_view(name));
+  if (is_printed) {
+    tags.again.push_back(files.front());
+  } else if (now == nullptr || to_string(now->digits) != tag.at("digits")) {
+    tags.changed.push_back(files.front());
+  }
   if (!tag.contains("revision")) tag["revision"] = earlier.at("revision");
-  kept.push_back(std::move(tag));
+  tags.kept.push_back(std::move(tag));
+}
+
+std::vector<std::string> warnings_of(const EarlierTags& tags) {
+  std::vector<std::string> warnings;
+  const auto warn = [&](const std::vector<std::string>& names, std::string_view words) {
+    if (!names.empty()) warnings.push_back(fmt::format(fmt::runtime(words), listed(names)));
+  };
+  warn(tags.gone,
+       "no file of the folder has {} any more, as this print took their place: print "
+       "them, too");
+  warn(tags.changed, "{}: the survey has other digits or no such tag now: print again or remove");
+  warn(tags.again,
+       "{}: an earlier print of tags that are printed again: remove, so that no plate "
+       "is made twice");
+  return warnings;
 }
 
 }  // namespace
@@ -163,13 +200,14 @@ std::vector<PrintedTag> printed_tags(const PrintJob& job) {
 
 std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) {
   Json manifest = common_json(job);
+  for (const char* key : {"tiles", "printer"}) {
+    if (manifest.at(key).is_null()) manifest.erase(key);
+  }
   manifest["tags"] = tags_json(record);
   manifest["documents"] = record.documents;
   std::map<std::string, std::string> hashes = record.sha256;
   hashes.insert(record.kept_sha256.begin(), record.kept_sha256.end());
   manifest["sha256"] = hashes;
-  if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);
-  if (job.style.printer) manifest["printer"] = printer_json(*job.style.printer);
   if (job.roll) manifest["roll"] = roll_json(*job.roll);
   if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
   return json_text(manifest, 2) + "\n";
@@ -215,13 +253,19 @@ void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
     const Json common = common_json(job);
     for (const auto& [key, value] : common.items()) {
       const bool may_differ = key == "survey_file" || key == "revision";
-      if (!may_differ && earlier.value(key, Json()) != value) return;
+      if (may_differ || earlier.value(key, Json()) == value) continue;
+      record.warnings = {fmt::format(
+          "the manifest no longer has the files of an earlier print, whose {} was another: print "
+          "into a folder of its own, or remove them",
+          key)};
+      return;
     }
-    Json kept = Json::array();
+    EarlierTags tags;
     for (const Json& tag : earlier.at("tags")) {
-      keep_tag(tag, earlier, folder, record, kept);
+      take_earlier(tag, earlier, folder, *job.survey, record, tags);
     }
-    record.kept_tags = json_text(kept);
+    record.kept_tags = json_text(tags.kept);
+    record.warnings = warnings_of(tags);
   } catch (const nlohmann::json::exception&) {
     // It is none of ours, or damaged: verify then names the files that no manifest lists.
     record.kept_sha256.clear();
@@ -392,11 +436,15 @@ Result<std::string> setting_out_pdf(const Survey& survey, std::span<const Settin
   return render_pdf(sheets);
 }
 
-// In the survey's order: the tags that the folder holds plates of, and those whose plates move.
+// In the survey's order: the tags that the folder holds plates of, with the survey's digits, and
+// those whose plates move.
 std::vector<const PlacedTag*> tags_to_hang(const PrintJob& job, const PrintRecord& record) {
   std::set<std::string> names = job.style.moved;
   for (const PrintedTag& printed : record.tags) names.insert(printed.tag->name);
-  for (const Json& kept : Json::parse(record.kept_tags)) names.insert(kept.at("tag"));
+  for (const Json& kept : Json::parse(record.kept_tags)) {
+    const PlacedTag* tag = find_tag(*job.survey, kept.at("tag").get<std::string>());
+    if (tag != nullptr && kept.at("digits") == to_string(tag->digits)) names.insert(tag->name);
+  }
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : job.survey->tags) {
     if (names.contains(tag.name)) tags.push_back(&tag);

@@ -30,11 +30,13 @@ struct PrintRecord {
   // JSON list of the tags of earlier prints whose files are still in the folder, and these files.
   std::string kept_tags = "[]";
   std::map<std::string, std::string> kept_sha256{};
+  std::vector<std::string> warnings{};  // of files of earlier prints
 };
 
 // Takes over what the folder's manifest says of files that this print leaves as they are, so that
-// `verify` still knows whether they are stale. Nothing of a manifest of another survey, template or
-// kind of print.
+// `verify` still knows whether they are stale. Nothing of a manifest of another survey, template,
+// printer or kind of print. Warns of plates that the folder has no longer, as before the survey was
+// changed, or twice.
 void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
                        PrintRecord& record);
 

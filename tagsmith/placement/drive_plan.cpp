@@ -427,7 +427,9 @@ Result<void> check_cameras(const Survey& survey, const Rig& rig, double from, do
   const double first = std::max(from, 0.0);
   const double last = std::min(to, survey.tunnel.centerline.length());
   const double step = std::max(kStep, (last - first) / kMostPlaces);
-  for (double chainage = first; chainage <= last; chainage += step) {
+  const int steps = static_cast<int>(std::floor((last - first) / step));
+  for (int i = 0; i <= steps; ++i) {
+    const double chainage = first + i * step;
     for (const double aside : {0.0, -lateral, lateral}) {
       for (const RigCamera& camera : rig.cameras) {
         auto checked = check_camera(survey, rig, camera, chainage, aside);

@@ -312,7 +312,7 @@ std::optional<std::set<Digits>> free_digits(const PositionCode& code,
 Result<PositionCode> untaken_code(std::span<const PairOfTags> pairs, CheckDigit check,
                                   std::set<Digits>& taken) {
   const std::vector<Eigen::Vector3d> positions = positions_of(pairs);
-  const Result<PositionCode> usual = code_for(positions, check);
+  Result<PositionCode> usual = code_for(positions, check);
   if (!usual) return usual;
   for (const Eigen::Vector3d& shift : shifts_of_origin()) {
     PositionCode code = *usual;

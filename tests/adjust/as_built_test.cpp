@@ -142,7 +142,7 @@ TEST_CASE("two groups of control tags contradict each other: any may be wrong") 
   Draws draws(24);
   AsBuiltDrive drive = short_drive(draws);
   REQUIRE(drive.control.size() == 4);
-  for (const std::size_t i : {2, 3}) {
+  for (const std::size_t i : {2U, 3U}) {
     drive.survey.tags[index_of(drive, drive.control[i])].world_from_plate.translation.y() += 0.06;
   }
   CHECK(judged(drive).contradicted.size() == 4);

@@ -41,6 +41,13 @@ def test_rows_may_stand_apart_and_upside_down_in_memory(survey, photo):
         np.testing.assert_array_equal(tag.corners, whole.corners)
 
 
+def test_rows_that_are_one_row_are_refused(photo):
+    image = tagsmith.load_image(photo)
+    with pytest.raises(ValueError, match="ascontiguousarray"):
+        tagsmith.read(np.broadcast_to(image[:1], image.shape))
+    assert tagsmith.read(np.broadcast_to(image[:1], (1, image.shape[1]))).tags == []
+
+
 def test_a_loaded_picture_outlives_its_path_and_is_no_copy(photo):
     image = tagsmith.load_image(str(photo))
     assert image.dtype == np.uint8 and image.shape == (960, 1280)

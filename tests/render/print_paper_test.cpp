@@ -268,6 +268,48 @@ TEST_CASE("the setting-out list has all tags of the folder, those of earlier pri
         0);
 }
 
+TEST_CASE("a print into a folder warns of the plates of earlier prints that are no longer right") {
+  const TemporaryFolder folder;
+  const fs::path moved = folder.path() / "moved.yaml";
+  REQUIRE(write_file(moved, read_file(kCorridor).value() +
+                                "placed:\n  - { tag: 001L, side: left, p: [1.9, 0.9, 0.4] }\n"));
+  const fs::path out = folder.path() / "out";
+  // Plates 000L and 000R fill the first sheet, 001L and 001R the second.
+  REQUIRE(print(kCorridor, out, "--format pdf --paper A1 --tags 000L,000R,001L,001R").exit_code ==
+          0);
+  const ProgramOutput again = print(moved.string(), out, "--format pdf --paper A1 --tags 001L");
+  REQUIRE(again.exit_code == 0);
+  CHECK_MESSAGE(again.err.find("has 000L 000R any more") != std::string::npos, again.err);
+  CHECK_MESSAGE(again.err.find("sheet-002.pdf: an earlier print of tags that are printed again") !=
+                    std::string::npos,
+                again.err);
+  const ProgramOutput other = print(moved.string(), out, "--format pdf --tags 002L");
+  CHECK(other.err.find("whose page_mm was another") != std::string::npos);
+  // 001L hangs elsewhere now and is not printed again: no list says where its old plate belongs.
+  fs::remove_all(out);
+  REQUIRE(print(kCorridor, out, "--format pdf --tags 000L,001L").exit_code == 0);
+  const ProgramOutput next = print(moved.string(), out, "--format pdf --tags 000R");
+  CHECK_MESSAGE(next.err.find("001L.pdf: the survey has other digits") != std::string::npos,
+                next.err);
+  const std::string list = read_file(out / "setting-out.csv").value();
+  CHECK(std::ranges::count(list, '\n') == 3);
+  CHECK(list.find("001L") == std::string::npos);
+}
+
+TEST_CASE("a print for another printer leaves the files of the earlier one out of the manifest") {
+  const TemporaryFolder folder;
+  const fs::path profile = folder.path() / "office.yaml";
+  REQUIRE(write_file(profile,
+                     "printer: office\nscale: [1.012, 1.005]\nbar_growth_mm: [0, 0]\n"
+                     "dot_gain_percent: 0\n"));
+  const fs::path out = folder.path() / "out";
+  REQUIRE(print(kCorridor, out, "--format pdf --tags 000L --profile '" + profile.string() + "'")
+              .exit_code == 0);
+  const ProgramOutput other = print(kCorridor, out, "--format pdf --tags 000R");
+  CHECK_MESSAGE(other.err.find("whose printer was another") != std::string::npos, other.err);
+  CHECK(manifest_in(out)["tags"].size() == 1);
+}
+
 TEST_CASE("a sign maker's PDF has trim, bleed and the cut contour as a spot colour") {
   const TemporaryFolder folder;
   const std::string survey = gs1_survey(folder.path(), "tag-a4");
