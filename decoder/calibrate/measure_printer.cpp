@@ -158,8 +158,7 @@ std::string percent(double share) { return format_number(share * 100, 2) + " %";
 // What makes the scan no measurement; empty = nothing.
 std::string objection(const PrinterScale& scale, double error_px, double dots_per_inch) {
   constexpr double kFlat = 0.0004;  // metres
-  const auto off = [](double value) { return std::abs(value - 1) > kMostPrinterScale; };
-  if (off(scale.right) || off(scale.down)) {
+  if (!is_usual(scale)) {
     return fmt::format(
         "the sheet is {} of its width and {} of its height at {} dpi, expected {} to {}: is that "
         "the scan's resolution, and was the sheet printed at 100 %?",

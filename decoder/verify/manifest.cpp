@@ -161,8 +161,7 @@ PrinterScale parse_scale(const json& root) {
   const auto object = root.find("printer");
   if (object == root.end()) return {};
   const auto scale = find_value<std::array<double, 2>>(*object, "scale");
-  const auto is_usual = [](double value) { return std::abs(value - 1) <= kMostPrinterScale; };
-  if (!scale || !std::ranges::all_of(*scale, is_usual)) return {};
+  if (!scale || !is_usual({(*scale)[0], (*scale)[1]})) return {};
   return {(*scale)[0], (*scale)[1]};
 }
 

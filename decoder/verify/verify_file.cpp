@@ -338,9 +338,10 @@ Result<VerifiedFile> verify_pdf(const Task& task) {
 
 // What is wrong with the pages of a PDF of tiles: their number, or the size they were printed with.
 // Then no tile is at its place.
-void find_wrong_pages(const TilePlan& plan, std::size_t expected,
+void find_wrong_pages(const TilePlan& plan, const PrinterScale& reach, std::size_t expected,
                       const std::vector<PageSize>& pages, VerifiedFile& file) {
   constexpr double kSameSize = 0.001;  // metres
+  const PageSize size{plan.page_width / reach.right, plan.page_height / reach.down};
   if (pages.size() != expected) {
     file.add_finding("missing-in-file",
                      fmt::format("has {} pages, expected {}: an assembly sheet and {} tiles for "
@@ -349,15 +350,15 @@ void find_wrong_pages(const TilePlan& plan, std::size_t expected,
     return;
   }
   const auto other = std::ranges::find_if(pages, [&](const PageSize& page) {
-    return std::abs(page.width - plan.page_width) >= kSameSize ||
-           std::abs(page.height - plan.page_height) >= kSameSize;
+    return std::abs(page.width - size.width) >= kSameSize ||
+           std::abs(page.height - size.height) >= kSameSize;
   });
   if (other == pages.end()) return;
   file.add_finding(
       "wrong-scale",
       fmt::format("page {}: is {:.0f} x {:.0f} mm, expected {:.0f} x {:.0f} mm (manifest.json)",
                   other - pages.begin() + 1, 1e3 * other->width, 1e3 * other->height,
-                  1e3 * plan.page_width, 1e3 * plan.page_height));
+                  1e3 * size.width, 1e3 * size.height));
 }
 
 // A PDF of tiles: for each tag the assembly sheet, then its tiles.
@@ -369,7 +370,8 @@ Result<VerifiedFile> verify_tiled_pdf(const Task& task) {
   file.up = UpSource::page;
   file.pages = static_cast<int>(pages->size());
   const int a_tag = 1 + plan.tiles();
-  find_wrong_pages(plan, task.expected.size() * static_cast<std::size_t>(a_tag), *pages, file);
+  find_wrong_pages(plan, reach_of(task.manifest->scale),
+                   task.expected.size() * static_cast<std::size_t>(a_tag), *pages, file);
   if (!file.findings.empty()) return file;
   for (int first = 1; first <= file.pages; first += a_tag) {
     std::vector<TilePage> tiles;

@@ -37,7 +37,7 @@ Error paper_too_small(const TagTemplate& tag, const Rectangle& plate, const Prin
   std::string text =
       fmt::format("--paper {} cannot carry a plate of {} x {} mm ({}) in one piece; ",
                   style.paper->name, mm_text(plate.width, 1), mm_text(plate.height, 1), tag.name);
-  text += papers_for(plate, style.bleed) + " can";
+  text += papers_for(plate, style.bleed, style.paper->reach) + " can";
   const Result<TilePlan> tiles = plan_tiles(plate, *style.paper, style.overlap, 0);
   if (tiles) text += fmt::format(", or --tile: {} sheets a plate", tiles->tiles());
   return {text};
@@ -168,7 +168,11 @@ Sheet pdf_sheet(const PrintJob& job, const Page& page) {
   const PrinterScale scale = job.printer_scale();
   Sheet sheet = sheet_of(page);
   sheet.text_as_outlines = job.style.outline_text;
-  return scale.is_true() ? sheet : scaled(std::move(sheet), 1 / scale.right, 1 / scale.down);
+  if (scale.is_true()) return sheet;
+  const PrinterScale reach = reach_of(scale);
+  sheet.width /= reach.right;
+  sheet.height /= reach.down;
+  return scaled(std::move(sheet), 1 / scale.right, 1 / scale.down);
 }
 
 std::vector<Sheet> sheets_of(const PrintJob& job, const std::vector<Page>& pages) {
@@ -223,6 +227,8 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   PrintJob job;
   job.survey = &survey;
   job.style = style;
+  const bool has_pdf = std::ranges::count(style.formats, SheetFormat::pdf) > 0;
+  if (job.style.paper && has_pdf) job.style.paper->reach = reach_of(job.printer_scale());
   job.printed = survey.tag_template;
   if (auto drawn = draw_on_dots(job); !drawn) return fail(drawn.error().message);
   if (auto adjusted = check_bar_adjustment(job); !adjusted) return fail(adjusted.error().message);

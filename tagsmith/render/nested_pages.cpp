@@ -200,12 +200,13 @@ std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& pape
                                   int dots_per_inch, std::size_t plates) {
   NestPlan best;
   if (paper.roll()) {
-    best =
-        plan_on(plate, paper.width, kLongestPage, bleed, std::min(plates, kMostNestedPlates), true);
+    best = plan_on(plate, paper.width * paper.reach.right, kLongestPage * paper.reach.down, bleed,
+                   std::min(plates, kMostNestedPlates), true);
     best.roll = true;
   } else {
     const auto attempt = [&](double width, double height, bool may_turn) {
-      NestPlan plan = plan_on(plate, width, height, bleed, kMostNestedPlates, may_turn);
+      NestPlan plan = plan_on(plate, width * paper.reach.right, height * paper.reach.down, bleed,
+                              kMostNestedPlates, may_turn);
       if (best.places.empty() || plan.plates() > best.plates()) best = std::move(plan);
     };
     attempt(paper.width, paper.height, false);
@@ -217,15 +218,17 @@ std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& pape
   return best;
 }
 
-std::string papers_for(const Rectangle& plate, double bleed) {
+std::string papers_for(const Rectangle& plate, double bleed, const PrinterScale& reach) {
   std::string text;
-  for (const PrintPaper& paper : print_papers()) {
+  for (PrintPaper paper : print_papers()) {
+    paper.reach = reach;
     if (plan_nest(plate, paper, bleed, 0)) text += (text.empty() ? "" : ", ") + paper.name;
   }
   const PlateSize room = room_of(plate, bleed);
   const double across =
       std::min(room.width, room.height) + PaperBorder::kLeft + PaperBorder::kRight;
-  return text + (text.empty() ? "" : " or ") + "a roll of " + whole_mm(across) + " mm";
+  return text + (text.empty() ? "" : " or ") + "a roll of " + whole_mm(across / reach.right) +
+         " mm";
 }
 
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,

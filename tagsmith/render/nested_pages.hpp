@@ -63,7 +63,7 @@ std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& pape
                                   int dots_per_inch, std::size_t plates = kMostNestedPlates);
 
 // What carries a plate of this size: "A2, A1, A0 or a roll of 323 mm".
-std::string papers_for(const Rectangle& plate, double bleed);
+std::string papers_for(const Rectangle& plate, double bleed, const PrinterScale& reach);
 
 struct NamedDrawing {
   std::string name;

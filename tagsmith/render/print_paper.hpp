@@ -7,6 +7,7 @@
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/page.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 
@@ -15,6 +16,7 @@ struct PrintPaper {
   std::string name;
   double width = 0;
   double height = 0;
+  PrinterScale reach{};  // of drawings of true size on its pages
 
   bool roll() const { return height == 0; }
 };

@@ -50,11 +50,11 @@ TilePlan plan_on(const Rectangle& plate, double width, double height, double ove
   return plan;
 }
 
-// A page of the roll is as long as the plate needs.
-double page_length(double plate_side, const PrintPaper& paper, double borders) {
-  if (!paper.roll()) return paper.height;
+// At true size. A page of the roll is as long as the plate needs.
+double page_length(double plate_side, const PrintPaper& paper, double borders, double reach) {
+  if (!paper.roll()) return paper.height * reach;
   const double least = kScaleBarLength + borders;
-  return std::clamp(plate_side + 2 * kWaste + borders, least, kLongestPage);
+  return std::clamp(plate_side + 2 * kWaste + borders, least, kLongestPage * reach);
 }
 
 PlatePoint window_in_plate(const TilePlan& plan, int column, int row) {
@@ -283,10 +283,13 @@ Result<TilePlan> plan_tiles(const Rectangle& plate, const PrintPaper& paper, dou
                             int dots_per_inch) {
   const double down_borders = PaperBorder::kTop + PaperBorder::kBottom;
   const double across_borders = PaperBorder::kLeft + PaperBorder::kRight;
-  const TilePlan upright = plan_on(
-      plate, paper.width, page_length(plate.height, paper, down_borders), overlap, dots_per_inch);
-  const TilePlan across = plan_on(plate, page_length(plate.width, paper, across_borders),
-                                  paper.width, overlap, dots_per_inch);
+  const PrinterScale& reach = paper.reach;
+  const TilePlan upright =
+      plan_on(plate, paper.width * reach.right,
+              page_length(plate.height, paper, down_borders, reach.down), overlap, dots_per_inch);
+  const TilePlan across =
+      plan_on(plate, page_length(plate.width, paper, across_borders, reach.right),
+              paper.width * reach.down, overlap, dots_per_inch);
   if (upright.tiles() == 0 && across.tiles() == 0) {
     return fail("--paper " + paper.name + ": too small for tiles that overlap by " +
                 format_number(overlap * 1000) + " mm: less overlap or a larger paper");

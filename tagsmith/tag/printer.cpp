@@ -44,6 +44,18 @@ void keep_quiet_zones(TagDrawing& drawing, double gap, double dot) {
 
 }  // namespace
 
+bool is_usual(const PrinterScale& scale) {
+  constexpr double kRounding = 1e-9;
+  const auto usual = [](double value) {
+    return std::abs(value - 1) <= kMostPrinterScale + kRounding;
+  };
+  return usual(scale.right) && usual(scale.down);
+}
+
+PrinterScale reach_of(const PrinterScale& scale) {
+  return {std::min(scale.right, 1.0), std::min(scale.down, 1.0)};
+}
+
 TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch) {
   const double dot = dot_of(dots_per_inch);
   const double before = module_width(tag);

@@ -22,6 +22,13 @@ struct PrinterScale {
 // Scales beyond this, either way, are no printer's but a page fitted to its paper.
 inline constexpr double kMostPrinterScale = 0.03;
 
+// Whether both are within it.
+bool is_usual(const PrinterScale& scale);
+
+// How much of a page's width and height a drawing of its true size covers: all, and where the
+// printer shrinks pages as much as it leaves.
+PrinterScale reach_of(const PrinterScale& scale);
+
 struct PrinterProfile {
   std::string name;
   PrinterScale scale{};

@@ -111,8 +111,8 @@ TEST_CASE("as many plates a page as the paper holds, none over another or beyond
 TEST_CASE("a paper too small is told, with what would do") {
   const TagDrawing tag = drawing_of(small_template());
   CHECK_FALSE(plan_nest(tag.plate, paper("A3"), 0.003, 0));
-  CHECK(papers_for(tag.plate, 0.003) == "A2, A1, A0 or a roll of 332 mm");
-  CHECK(papers_for(drawing_of(large_template()).plate, 0.003) == "A1, A0 or a roll of 462 mm");
+  CHECK(papers_for(tag.plate, 0.003, {}) == "A2, A1, A0 or a roll of 332 mm");
+  CHECK(papers_for(drawing_of(large_template()).plate, 0.003, {}) == "A1, A0 or a roll of 462 mm");
 }
 
 TEST_CASE("the last page of a roll ends below its last row") {

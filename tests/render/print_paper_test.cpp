@@ -310,6 +310,43 @@ TEST_CASE("a print for another printer leaves the files of the earlier one out o
   CHECK(manifest_in(out)["tags"].size() == 1);
 }
 
+// Black pixels of a PDF's first page.
+double ink_on(const fs::path& pdf) {
+  const std::string root = (pdf.parent_path() / "page").string();
+  REQUIRE(run_shell(fmt::format("pdftoppm -r 100 -gray -singlefile '{}' '{}'", pdf.string(), root))
+              .exit_code == 0);
+  const std::string page = read_file(root + ".pgm").value();  // samples after "P5 WIDTH HEIGHT 255"
+  double ink = 0;
+  for (const char sample : page.substr(page.find("\n255\n") + 5)) {
+    ink += 1 - static_cast<unsigned char>(sample) / 255.0;
+  }
+  return ink;
+}
+
+TEST_CASE("a printer that shrinks pages loses nothing at their edges") {
+  const TemporaryFolder folder;
+  const fs::path profile = folder.path() / "plotter.yaml";
+  REQUIRE(write_file(profile,
+                     "printer: plotter\nscale: [0.97, 0.975]\nbar_growth_mm: [0, 0]\n"
+                     "dot_gain_percent: 0\n"));
+  // Plates as they fill a roll's length, a sheet, tiles and a page of their own.
+  for (const char* paper : {"--paper roll:610", "--paper A1", "--paper A4 --tile", ""}) {
+    CAPTURE(paper);
+    const std::string options = fmt::format("--format pdf --tags 000L,000R,001L,001R {}", paper);
+    const fs::path plain = folder.path() / "plain";
+    const fs::path out = folder.path() / "shrunk";
+    REQUIRE(print(kCorridor, plain, options).exit_code == 0);
+    REQUIRE(print(kCorridor, out, options + " --profile '" + profile.string() + "'").exit_code ==
+            0);
+    CHECK(run_tagsmith(fmt::format("verify {} '{}'", kCorridor, out.string())).exit_code == 0);
+    if (std::string_view(paper).ends_with("--tile")) continue;  // other tiles
+    const std::string file = fs::exists(out / "sheet-001.pdf") ? "sheet-001.pdf" : "000L.pdf";
+    CHECK(ink_on(out / file) * 0.97 * 0.975 ==
+          doctest::Approx(ink_on(plain / file)).epsilon(0.005));  // texts are not scaled
+    for (const fs::path& used : {plain, out}) fs::remove_all(used);
+  }
+}
+
 TEST_CASE("a sign maker's PDF has trim, bleed and the cut contour as a spot colour") {
   const TemporaryFolder folder;
   const std::string survey = gs1_survey(folder.path(), "tag-a4");
