@@ -195,6 +195,7 @@ std::optional<TilePlan> parse_tiles(const json& root) {
 void read_details(const json& root, PrintManifest& manifest) {
   constexpr int kMostDotsPerInch = 10'000;
   read_plate(root, manifest);
+  manifest.template_revision = find_value<std::string>(root, "template_revision").value_or("");
   manifest.revision = find_value<std::string>(root, "revision").value_or("");
   manifest.documents =
       find_value<std::vector<std::string>>(root, "documents").value_or(std::vector<std::string>{});
@@ -266,7 +267,13 @@ Result<std::shared_ptr<const PrintManifest>> ManifestCache::find(const fs::path&
 
 std::string printed_otherwise(const PrintManifest& manifest, const TagTemplate& tag) {
   const int dots = manifest.printer_dots_per_inch;
-  return other_plate(manifest, dots > 0 ? drawn_on_dots(tag, dots) : tag);
+  const std::string other = other_plate(manifest, dots > 0 ? drawn_on_dots(tag, dots) : tag);
+  const std::string& printed = manifest.template_revision;
+  if (!other.empty() || printed.empty() || printed == template_revision(tag)) return other;
+  return fmt::format(
+      "its label, holes, contour or other parts beside the frame were printed otherwise than {} "
+      "now has them: print it again",
+      tag.name);
 }
 
 void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file) {

@@ -42,6 +42,7 @@ struct PrintManifest {
   std::map<std::string, std::string> sha256{};  // by file
   std::map<std::string, double> lengths{};      // of plates, named as by printed_lengths, mm
   std::optional<bool> white_on_black{};
+  std::string template_revision{};  // empty = not said
   bool tiled = false;               // the files hold pieces of tags
   std::optional<TilePlan> tiles{};  // how these go together, when it is said
   PrinterScale scale{};             // of the printer that PDFs are for

@@ -142,7 +142,8 @@ void warn(const PrintJob& job) {
     to_stderr("tagsmith print: warning: {}\n", text);
   };
   const TagTemplate& tag = job.printed;
-  if (tag.label.shown && printed_drawing(job, *job.units.front().tags.front()).label.empty()) {
+  if (!job.units.empty() && tag.label.shown &&
+      printed_drawing(job, *job.units.front().tags.front()).label.empty()) {
     say("template " + tag.name +
         ": no room for a label below the feature frame, the plates carry none");
   }
@@ -223,11 +224,15 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   const Result<TagsToPrint> list = wanted_tags(*survey, options);
   if (!list) return fail(list.error().message);
   const std::vector<const PlacedTag*> tags = chosen_tags(*survey, options, *list);
-  if (tags.empty() && !options.only.empty()) {
-    to_stderr("tagsmith print: {} names no tag to print\n", options.only);
-    return kExitOk;
-  }
   style->moved = {list->moved.begin(), list->moved.end()};
+  if (tags.empty() && !options.only.empty()) {
+    const bool moves = !list->moved.empty() && style->setting_out;
+    to_stderr("tagsmith print: {} names no tag to print{}\n", options.only,
+              moves ? ", only tags to move: setting-out lists alone are made" : "");
+    if (!moves) return kExitOk;
+    style->single = style->order = false;
+    style->prove = {};
+  }
   const Result<PrintJob> job = plan_print(*survey, tags, *style);
   if (!job) return fail(job.error().message);
   CommandFiles files;
@@ -243,7 +248,7 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
     return kExitFindings;
   }
   if (record->proofs) report_proof(*record);
-  if (job->roll) report_roll(*job);
+  if (job->roll && !tags.empty()) report_roll(*job);
   warn_of_earlier(*record, options.folder);
   report(*record, options);
   return kExitOk;

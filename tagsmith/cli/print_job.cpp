@@ -222,7 +222,9 @@ Result<void> write_single(const PrintJob& job, const StagedFiles& files,
 
 Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
                             const PrintStyle& style) {
-  if (tags.empty()) return fail(survey.file.string() + ": has no tags to print");
+  if (tags.empty() && style.moved.empty()) {
+    return fail(survey.file.string() + ": has no tags to print");
+  }
   if (auto usable = check_file_names(tags); !usable) return fail(usable.error().message);
   PrintJob job;
   job.survey = &survey;
@@ -233,7 +235,8 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   if (auto drawn = draw_on_dots(job); !drawn) return fail(drawn.error().message);
   if (auto adjusted = check_bar_adjustment(job); !adjusted) return fail(adjusted.error().message);
   if (auto planned = plan_plate_parts(job, tags); !planned) return fail(planned.error().message);
-  if (auto planned = plan_pages(job, tags.size()); !planned) return fail(planned.error().message);
+  const std::size_t count = std::max<std::size_t>(tags.size(), 1);
+  if (auto planned = plan_pages(job, count); !planned) return fail(planned.error().message);
   job.units = units_of(job, tags);
   return job;
 }
@@ -269,6 +272,11 @@ std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit) {
     }
   }
   return pages;
+}
+
+Page typical_page(const PrintJob& job) {
+  const PlacedTag& any = job.survey->tags.front();
+  return pages_of(job, job.units.empty() ? PrintUnit{any.name, {&any}} : job.units.front()).back();
 }
 
 std::vector<PageInFile> pages_in_files(const PrintJob& job, std::size_t unit) {

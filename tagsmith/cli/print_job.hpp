@@ -82,14 +82,17 @@ struct PrintJob {
   }
 };
 
-// Fails without tags, on names that cannot be files' names, and on a paper that cannot carry a
-// plate; the message then says what could. The job keeps pointers into the survey.
+// Fails without tags, to print or to move, on names that cannot be files' names, and on a paper
+// that cannot carry a plate; the message then says what could. The job keeps pointers into the
+// survey.
 Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
                             const PrintStyle& style);
 
 // The unit's pages as they are printed, and as they look when the ink has grown by what the bars'
 // adjustment takes away: the same but for the edges of bars and frame.
 std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit);
+// The last of the first tags that are printed; of the survey's first tag where none is.
+Page typical_page(const PrintJob& job);
 std::vector<Page> nominal_pages(const PrintJob& job, const PrintUnit& unit);
 
 // One page of a unit in a file.

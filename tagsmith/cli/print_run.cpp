@@ -27,6 +27,7 @@
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/render/zip_file.hpp"
 #include "tagsmith/survey/place_tags.hpp"
+#include "tagsmith/survey/revision.hpp"
 #include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
@@ -97,11 +98,12 @@ Json printer_json(const PrinterProfile& printer) {
 // What all files of a print have in common.
 Json common_json(const PrintJob& job) {
   const TagTemplate& tag = job.printed;
-  const Page page = pages_of(job, job.units.front()).back();
+  const Page page = typical_page(job);
   return {{"survey", job.survey->name},
           {"survey_file", job.survey->file.string()},
           {"revision", job.style.revision},
           {"template", tag.name},
+          {"template_revision", template_revision(job.survey->tag_template)},
           {"check_digit", to_string(job.survey->code.check)},
           {"page_mm", {mm(page.width), mm(page.height)}},
           {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
@@ -216,7 +218,7 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) 
 std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
   const TagTemplate& tag = job.printed;
   const Survey& survey = *job.survey;
-  const Page page = pages_of(job, job.units.front()).back();
+  const Page page = typical_page(job);
   std::string csv = csv_row(split(
       "survey,survey_file,tag,side,digits,x,y,z,coded_x,coded_y,coded_z,rounding_x,rounding_y,"
       "rounding_z,chainage,files,template,check_digit,page_width_mm,page_height_mm,plate_length_mm,"
@@ -317,7 +319,7 @@ std::string contours_text(const PrintJob& job) {
 
 std::vector<OrderLine> order_lines(const PrintJob& job, const PrintRecord& record) {
   const TagTemplate& tag = job.printed;
-  const Page page = pages_of(job, job.units.front()).back();
+  const Page page = typical_page(job);
   std::vector<OrderLine> lines{
       {"Survey",
        job.survey->name + (job.style.revision.empty() ? "" : ", revision " + job.style.revision)},

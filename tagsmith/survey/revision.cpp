@@ -22,9 +22,11 @@ class Content {
   void point(const Eigen::Vector3d& p) {
     for (const double coordinate : p) length(coordinate);
   }
-  const std::string& bytes() const { return bytes_; }
+  std::string revision() const { return sha256(bytes_).substr(0, kShown); }
 
  private:
+  static constexpr std::size_t kShown = 12;
+
   std::string bytes_;
 };
 
@@ -68,7 +70,6 @@ void add_tunnel(Content& content, const Survey& survey) {
 }
 
 void add_template(Content& content, const TagTemplate& tag) {
-  content.text(tag.name);
   for (const double length :
        {tag.plate_length, tag.plate_height, tag.frame_inner_length, tag.frame_inner_height,
         tag.frame_stroke, tag.frame_offset_right, tag.frame_offset_up, tag.quiet_zone_modules,
@@ -127,17 +128,23 @@ void add_tag(Content& content, const Survey& survey, const PlacedTag& tag) {
 
 // Why: docs/decisions/0017-files-and-formats.md.
 std::string survey_revision(const Survey& survey) {
-  constexpr std::size_t kShown = 12;
   Content content;
   content.text(survey.name);
   add_tunnel(content, survey);
+  content.text(survey.tag_template.name);
   add_template(content, survey.tag_template);
   // What is assumed belongs to the program, not to the survey.
   content.length(survey.states_sigma ? survey.sigma : 0);
   if (survey.states_angle_sigma && survey.angle_sigma != 0) content.angle(survey.angle_sigma);
   add_code(content, survey.code);
   for (const PlacedTag& tag : survey.tags) add_tag(content, survey, tag);
-  return sha256(content.bytes()).substr(0, kShown);
+  return content.revision();
+}
+
+std::string template_revision(const TagTemplate& tag) {
+  Content content;
+  add_template(content, tag);
+  return content.revision();
 }
 
 }  // namespace tagsmith::detail

@@ -257,6 +257,27 @@ TEST_CASE("diff tells what to do, and print --only prints what it asks for") {
   CHECK(bad.err.find("bad.txt:1: `please print all`") != std::string::npos);
 }
 
+TEST_CASE("a list that only moves tags makes the setting-out list anew, and prints nothing") {
+  const TemporaryFolder folder;
+  const fs::path moved = folder.path() / "moved.yaml";
+  REQUIRE(write_file(moved, read_file(kCorridor).value() +
+                                "placed:\n  - { tag: 005L, side: left, p: [1.9, 4.003, 0.4], "
+                                "digits: \"019004000408\" }\n"));
+  const fs::path out = folder.path() / "out";
+  const fs::path list = folder.path() / "changes.txt";
+  REQUIRE(print(kCorridor, out, "--format pdf --tags 004L,005L").exit_code == 0);
+  REQUIRE(
+      write_file(list, run_tagsmith(fmt::format("diff {} '{}'", kCorridor, moved.string())).out));
+  const ProgramOutput output =
+      print(moved.string(), out, "--format pdf --only '" + list.string() + "'");
+  CHECK(output.exit_code == 0);
+  CHECK(output.err.find("setting-out lists alone are made") != std::string::npos);
+  const std::string csv = read_file(out / "setting-out.csv").value();
+  CHECK(csv.find("\n005L,1.9000,4.0030,") != std::string::npos);
+  CHECK(csv.find("\n004L,") != std::string::npos);
+  CHECK(manifest_in(out)["tags"].size() == 2);
+}
+
 TEST_CASE("the setting-out list has all tags of the folder, those of earlier prints too") {
   const TemporaryFolder folder;
   REQUIRE(print(kCorridor, folder.path(), "--format pdf --tags 000L,001L").exit_code == 0);

@@ -256,7 +256,8 @@ TEST_CASE("prints of a template that draws plates otherwise are stale, and nothi
     CHECK(!verify("", "").contains("rules"));
     for (const auto& [before, after] :
          {std::pair{"stroke: 0.012", "stroke: 0.014"}, std::pair{"quiet_zone: 9", "quiet_zone: 12"},
-          std::pair{"margin: 9", "margin: 11"}}) {
+          std::pair{"margin: 9", "margin: 11"},
+          std::pair{"symbol:", "holes: { diameter_mm: 5, inset_mm: 9 }\nsymbol:"}}) {
       const json line = verify(before, after);
       CHECK_MESSAGE(line["rules"] == json({"stale"}), line.dump());
     }
