@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "decoder/reader/reader.hpp"
@@ -55,7 +57,9 @@ bool is_same_tag(const SeenBoardTag& a, const SeenBoardTag& b) {
 }
 
 // A code that is read twice is of no board: at least one of the two is a copy or a reflection.
-std::vector<SeenBoardTag> seen_tags(const ReadResult& result, std::span<const Board> boards) {
+// Where several are, there is another print of the board, and others of its tags may be among the
+// ones that are read once.
+void take_tags(const ReadResult& result, std::span<const Board> boards, BoardView& view) {
   const TagsByCode tags = tags_by_code(boards);
   std::vector<SeenBoardTag> seen;
   std::vector<bool> is_twice;
@@ -72,11 +76,71 @@ std::vector<SeenBoardTag> seen_tags(const ReadResult& result, std::span<const Bo
       is_twice[static_cast<std::size_t>(other - seen.begin())] = true;
     }
   }
-  std::vector<SeenBoardTag> once;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!is_twice[i]) once.push_back(seen[i]);
+  const auto twice = std::ranges::count(is_twice, true);
+  if (twice > 1) {
+    const std::size_t board =
+        seen[static_cast<std::size_t>(std::ranges::find(is_twice, true) - is_twice.begin())].board;
+    view.objection = fmt::format(
+        "shows {} tags of {} twice: there are two prints of the board, of which each needs a "
+        "--serial, or a reflection",
+        twice, boards[board].name);
+    return;
   }
-  return once;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!is_twice[i]) view.tags.push_back(seen[i]);
+  }
+}
+
+Eigen::Vector2d middle_of(const SeenBoardTag& tag) {
+  return tag.pixels.reshaped(2, 4).rowwise().mean();
+}
+
+Eigen::Vector2d middle_of(const Board& board, const BoardTag& tag) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const PlatePoint& corner : corners_of(board, tag)) {
+    middle += Eigen::Vector2d(corner.x, corner.y) / 4;
+  }
+  return middle;
+}
+
+// Whether the board's tags lie the other way round than on the board: by the affine map that fits
+// their middles best. No lens turns it over. Fewer than three tags, or tags in a row, do not tell.
+bool is_mirrored(const BoardView& view, std::size_t board, const Board& on) {
+  std::vector<const SeenBoardTag*> seen;
+  for (const SeenBoardTag& tag : view.tags) {
+    if (tag.board == board) seen.push_back(&tag);
+  }
+  const auto count = static_cast<Eigen::Index>(seen.size());
+  Eigen::MatrixX2d places(count, 2), pixels(count, 2);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const SeenBoardTag& tag = *seen[static_cast<std::size_t>(i)];
+    places.row(i) = middle_of(on, on.tags[tag.tag]);
+    pixels.row(i) = middle_of(tag);
+  }
+  if (count < 3) return false;
+  places.rowwise() -= places.colwise().mean().eval();
+  pixels.rowwise() -= pixels.colwise().mean().eval();
+  const Eigen::Matrix2d spread = places.transpose() * places;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spreads(spread, Eigen::EigenvaluesOnly);
+  constexpr double kInARow = 1e-3;  // of the squared spread along the row
+  if (spreads.eigenvalues()[0] < kInARow * spreads.eigenvalues()[1]) return false;
+  return (spread.inverse() * places.transpose() * pixels).determinant() < 0;
+}
+
+// Whether two photos show the boards from one place. A hand, or a board in it, moves by more.
+bool shows_the_same(const BoardView& a, const BoardView& b) {
+  constexpr double kSame = 0.3;  // pixels, root mean square
+  double squares = 0;
+  std::size_t common = 0;
+  for (const SeenBoardTag& tag : a.tags) {
+    const auto other =
+        std::ranges::find_if(b.tags, [&](const SeenBoardTag& o) { return is_same_tag(o, tag); });
+    if (other == b.tags.end()) continue;
+    squares += (tag.pixels - other->pixels).squaredNorm() / 8;
+    ++common;
+  }
+  return 2 * common > std::max(a.tags.size(), b.tags.size()) &&
+         squares < kSame * kSame * static_cast<double>(common);
 }
 
 // A tag's inner corners in the photo; nothing where one is out of it, or the tag too small.
@@ -128,19 +192,39 @@ Result<void> check_boards(std::span<const Board> boards) {
 }
 
 BoardView read_board_view(const GrayView& image, std::string file, std::span<const Board> boards) {
-  const ReadResult result = read_tags(image, read_options_of(boards));
-  return {std::move(file), image.width, image.height, seen_tags(result, boards)};
+  BoardView view{std::move(file), image.width, image.height, {}};
+  take_tags(read_tags(image, read_options_of(boards)), boards, view);
+  return view;
+}
+
+void object_to_views(std::span<const Board> boards, std::vector<BoardView>& views) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    BoardView& view = views[i];
+    for (std::size_t b = 0; b < boards.size() && view.objection.empty(); ++b) {
+      if (is_mirrored(view, b, boards[b])) {
+        view.objection = "is mirrored, as by a mirror or a camera's preview: take it unmirrored";
+      }
+    }
+    for (std::size_t j = 0; j < i && view.objection.empty(); ++j) {
+      if (view.width != views[j].width || !shows_the_same(view, views[j])) continue;
+      view.objection =
+          fmt::format("shows the boards from where {} does: no new photo", views[j].file);
+    }
+    if (!view.objection.empty()) view.tags.clear();
+  }
 }
 
 BoardView read_board_view_again(const GrayView& image, const BoardView& first,
                                 std::span<const Board> boards, const BoardGuess& guess) {
-  if (image.width != guess.camera.width || image.height != guess.camera.height) return first;
+  const bool is_of_size = image.width == guess.camera.width && image.height == guess.camera.height;
+  if (!is_of_size || !first.objection.empty()) return first;
   ReadOptions options = read_options_of(boards);
   options.camera = guess.camera;
   options.expected = expected_board_tags(boards, guess);
   options.search = Search::never;
-  BoardView again{first.file, image.width, image.height,
-                  seen_tags(read_tags(image, options), boards)};
+  BoardView again{first.file, image.width, image.height, {}};
+  take_tags(read_tags(image, options), boards, again);
+  if (!again.objection.empty()) return again;
   const std::vector<SeenBoardTag> found = again.tags;
   for (const SeenBoardTag& tag : first.tags) {
     const auto is_it = [&](const SeenBoardTag& other) { return is_same_tag(other, tag); };

@@ -35,6 +35,7 @@ struct BoardView {
   int width = 0;  // pixels
   int height = 0;
   std::vector<SeenBoardTag> tags;  // each tag once at most
+  std::string objection{};         // why nothing of it is used, and then it has no tags
 };
 
 // Where a board is, as a first solution has it.
@@ -55,10 +56,15 @@ Result<void> check_boards(std::span<const Board> boards);
 // Searches the whole photo for the boards' tags. `file` names it. Boards that check_boards accepts.
 BoardView read_board_view(const GrayView& image, std::string file, std::span<const Board> boards);
 
+// Photos that must not count: mirrored ones, those with two prints of a board, and those that show
+// the boards from where another one does, such as copies in another file format. These lose their
+// tags and get an objection. `views` are as read first.
+void object_to_views(std::span<const Board> boards, std::vector<BoardView>& views);
+
 // Reads it again knowing about where everything is: corners are fitted through the lens, and tags
 // that the search missed (small, oblique, strongly bent) are looked for where they must be. What
 // was in `first` and is not found now stays as it was; so does all of it where the guess's camera
-// has another size.
+// has another size, or the photo does not count.
 BoardView read_board_view_again(const GrayView& image, const BoardView& first,
                                 std::span<const Board> boards, const BoardGuess& guess);
 

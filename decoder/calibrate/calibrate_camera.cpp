@@ -589,6 +589,17 @@ Result<std::vector<BoardView>> read_all(const PhotoSource& photos, std::size_t a
   return views;
 }
 
+// "; 2 of the photos are left out: a.jpg is mirrored"; empty where none has an objection.
+std::string objections_in_words(std::span<const BoardView> views) {
+  const auto first =
+      std::ranges::find_if(views, [](const BoardView& view) { return !view.objection.empty(); });
+  if (first == views.end()) return {};
+  const auto count =
+      std::ranges::count_if(views, [](const BoardView& view) { return !view.objection.empty(); });
+  return fmt::format("; {} of the photos {} left out: {} {}", count, count == 1 ? "is" : "are",
+                     first->file, first->objection);
+}
+
 }  // namespace
 
 Result<PhotoCalibration> calibrate_photos(const PhotoSource& photos, std::span<const Board> boards,
@@ -598,8 +609,9 @@ Result<PhotoCalibration> calibrate_photos(const PhotoSource& photos, std::span<c
     return read_board_view(image, photos.files[i], boards);
   });
   if (!views) return tl::unexpected(views.error());
+  object_to_views(boards, *views);
   auto first = calibrate_camera(*views, boards);
-  if (!first) return tl::unexpected(first.error());
+  if (!first) return fail(first.error().message + objections_in_words(*views));
   auto again =
       read_all(photos, photos.files.size(), options, [&](const GrayView& image, std::size_t i) {
         return read_board_view_again(image, (*views)[i], boards, guess_for(*first, i));

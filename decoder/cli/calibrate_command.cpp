@@ -26,7 +26,6 @@
 #include "decoder/cli/commands.hpp"
 #include "decoder/cli/file_list.hpp"
 #include "decoder/image/load.hpp"
-#include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
@@ -86,6 +85,7 @@ Json photo_json(const BoardCalibration& result, std::size_t place, const PhotoUs
   Json json{{"file", view.file},      {"width", view.width},        {"height", view.height},
             {"tags", use.tags},       {"tags_used", use.tags_used}, {"used", use.tags_used > 0},
             {"boards", Json::array()}};
+  if (!view.objection.empty()) json["objection"] = view.objection;
   for (const CalibratedSighting& sighting : result.calibration.sightings) {
     if (sighting.view == place) json["boards"].push_back(sighting_json(result, sighting));
   }
@@ -282,22 +282,6 @@ Result<std::vector<Board>> load_boards(const BoardCalibrationOptions& options) {
   }
   if (auto checked = check_boards(boards); !checked) return fail(checked.error().message);
   return boards;
-}
-
-// Without copies and those that are named twice: a photo counts once.
-Result<FileList> list_photos(const BoardCalibrationOptions& options) {
-  Result<FileList> list = list_files(options.photos, image_extensions(), std::cin);
-  if (!list) return list;
-  std::set<std::string> seen;
-  const auto copies = std::erase_if(list->files, [&](const fs::path& file) {
-    const Result<std::string> content = sha256_of_file(file);
-    return content && !seen.insert(*content).second;
-  });
-  if (copies > 0) {
-    to_stderr("tagsmith calibrate: {} of the photos {} left out\n", copies,
-              copies == 1 ? "is a copy of another and is" : "are copies of others and are");
-  }
-  return list;
 }
 
 Result<void> check_files(const BoardCalibrationOptions& options,
@@ -551,6 +535,9 @@ void print_in_words(const BoardCalibrationOptions& options, const BoardCalibrati
   if (const auto out = photos_left_out(result); !out.empty()) {
     to_stdout("left out: {}\n", named_photos(result, out));
   }
+  for (const BoardView& view : result.views) {
+    if (!view.objection.empty()) to_stdout("left out: {}: {}\n", view.file, view.objection);
+  }
   if (const auto empty = photos_without_tags(result); !empty.empty()) {
     to_stdout("no tag of a board: {}\n", named_photos(result, empty));
   }
@@ -596,7 +583,7 @@ Result<int> calibrate_by_boards(const BoardCalibrationOptions& options) {
   if (auto right = check_options(options); !right) return fail(right.error().message);
   Result<std::vector<Board>> boards = load_boards(options);
   if (!boards) return fail(boards.error().message);
-  const Result<FileList> list = list_photos(options);
+  const Result<FileList> list = list_files(options.photos, image_extensions(), std::cin);
   if (!list) return fail(list.error().message);
   if (auto usable = check_files(options, list->files); !usable) return fail(usable.error().message);
   const Result<CalibrationOutcome> outcome = calibrate(options, std::move(*boards), list->files);

@@ -74,7 +74,10 @@ std::vector<std::size_t> photos_left_out(const BoardCalibration& result) {
 }
 
 std::vector<std::size_t> photos_without_tags(const BoardCalibration& result) {
-  return photos_where(result, [](const PhotoUse& use) { return use.tags == 0; });
+  std::vector<std::size_t> places =
+      photos_where(result, [](const PhotoUse& use) { return use.tags == 0; });
+  std::erase_if(places, [&](std::size_t i) { return !result.views[i].objection.empty(); });
+  return places;
 }
 
 std::vector<std::string_view> coefficient_names(LensModel lens) {

@@ -2,9 +2,13 @@
 // Rendered photos through the reader.
 #include "decoder/calibrate/board_view.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <span>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "decoder/calibrate/assess.hpp"
 #include "decoder/calibrate/calibrate_camera.hpp"
@@ -71,6 +75,37 @@ TEST_CASE("tags that a search misses are found where the board must have them") 
       read_board_view_again(image.view(), view, {&board, 1}, {fisheye, {{0, pose}}});
   CHECK(again.tags.size() > view.tags.size());
   CHECK(worst_corner(again, fisheye, board, pose) < 0.3);
+}
+
+TEST_CASE("copies, mirrored photos and those with two prints of a board do not count") {
+  const Board board = test::plate_board();
+  const Camera camera{1280, 960, 900, 900, 650, 470, {-0.2, 0.05}};
+  const Pose pose =
+      test::camera_from_board(camera, board, {Vector2d(420, 480), 0.4, 0.4, -0.3, 0.2});
+  const Pose other =
+      test::camera_from_board(camera, board, {Vector2d(900, 470), 0.4, -0.2, 0.3, 1.0});
+  const GrayImage image = photo_of(camera, board, pose, 1);
+  GrayImage mirrored = image;
+  for (int y = 0; y < image.height; ++y) {
+    const auto row = mirrored.samples.begin() + std::ptrdiff_t{y} * image.width;
+    std::reverse(row, row + image.width);
+  }
+  ViewOptions options;
+  options.sensor.noise_sigma = 2;
+  const std::array both{test::board_plate(board, pose), test::board_plate(board, other)};
+  std::vector<BoardView> views;
+  for (const GrayImage& each :
+       {image, photo_of(camera, board, other, 2), photo_of(camera, board, pose, 3), mirrored,
+        render_view(camera, both, options).image}) {
+    views.push_back(read_board_view(each.view(), fmt::format("{}.jpg", views.size()), {&board, 1}));
+  }
+  object_to_views({&board, 1}, views);
+  CHECK(views[0].objection.empty());
+  CHECK(views[1].objection.empty());
+  CHECK(views[2].objection == "shows the boards from where 0.jpg does: no new photo");
+  CHECK(views[3].objection.find("mirrored") != std::string::npos);
+  CHECK(views[4].objection.find("two prints of the board") != std::string::npos);
+  for (std::size_t i = 0; i < views.size(); ++i) CHECK(views[i].tags.empty() == (i > 1));
 }
 
 TEST_CASE("a camera is calibrated from photos, and every photo is read twice") {
