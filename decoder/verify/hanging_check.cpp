@@ -58,18 +58,18 @@ void forget_hanging(VerifiedFile& file) {
 std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const VerifiedFile& file,
                                          std::string& note) {
   const std::string name = file.file.string();
-  std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
+  const Result<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
   if (!origin) {
     const bool might_tell = !setup.by_lenses || std::ranges::count_if(file.tags, tells) > 1;
     if (might_tell) {
-      note = fmt::format("{}: {}; where its tags hang was not checked", name,
-                         setup.by_lenses ? "does not name its camera and lens (EXIF)"
-                                         : "which camera of the rig took it is not known");
+      note = fmt::format(
+          "{}: {}; where its tags hang was not checked", name,
+          setup.by_lenses ? "does not name its camera and lens (EXIF)" : origin.error().message);
     }
     return std::nullopt;
   }
   const RigCamera& camera = setup.rig.cameras[origin->camera];
-  if (camera.camera.width == file.width && camera.camera.height == file.height) return origin;
+  if (camera.camera.width == file.width && camera.camera.height == file.height) return *origin;
   note = fmt::format(
       "{}: is {} x {} pixels, expected {} x {} as the rig's camera {} has; where its tags hang was "
       "not checked",
@@ -347,7 +347,8 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
 void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
                    VerifiedFile& file) {
   if (!file.is_photo() || file.revision != hung.revision) return;
-  const std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
+  const Result<PhotoOrigin> known = setup.cameras.origin_of(file.file);
+  const std::optional<PhotoOrigin> origin = known ? std::optional(*known) : std::nullopt;
   if (setup.by_lenses && !origin) return;
   forget_hanging(file);
   for (VerifiedTag& tag : file.tags) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -30,20 +31,23 @@ class PhotoCameras {
   static Result<PhotoCameras> by_camera(const Rig& rig, const std::string& name);
 
   // By their names: the only camera of the rig, or the one whose name stands in the file's
-  // (site4_left.jpg), set off by anything but letters and digits. Photos of one folder whose names
-  // are else the same were taken together.
+  // (site4_left.jpg), set off by anything but letters and digits, and not as a part of another's
+  // (front-left). Photos of one folder whose names are else the same were taken together. A file
+  // whose name has two cameras' names (right-wall_left.jpg) has no origin.
   static PhotoCameras by_names(const Rig& rig);
 
   // Adds a photo that a camera of the rig took by itself.
   void add(const std::filesystem::path& photo, std::size_t camera);
 
-  // Nothing when it cannot be told.
-  std::optional<PhotoOrigin> origin_of(const std::filesystem::path& photo) const;
+  // Fails with the reason when it cannot be told, as "which camera of the rig took it is not
+  // known".
+  Result<PhotoOrigin> origin_of(const std::filesystem::path& photo) const;
 
  private:
-  std::map<std::string, std::size_t> cameras_;          // by name, when names tell
-  std::optional<std::size_t> only_;                     // the camera of all photos
-  std::map<std::filesystem::path, PhotoOrigin> known_;  // by absolute path
+  std::vector<std::string> cameras_;                      // names in lower case, when they tell
+  std::optional<std::size_t> only_;                       // the camera of all photos
+  std::map<std::filesystem::path, PhotoOrigin> known_;    // by absolute path
+  std::map<std::filesystem::path, std::string> unknown_;  // photos without an origin, and why
 };
 
 }  // namespace tagsmith::detail

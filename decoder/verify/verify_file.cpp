@@ -234,7 +234,7 @@ void judge_page(const Task& task, const PageImage& page, int number, const std::
 // The rig's camera that took the photo; null when it is not known.
 const RigCamera* rig_camera_of(const VerifyRequest& request, const std::filesystem::path& path) {
   if (request.rig == nullptr || request.cameras == nullptr) return nullptr;
-  const std::optional<PhotoOrigin> origin = request.cameras->origin_of(path);
+  const Result<PhotoOrigin> origin = request.cameras->origin_of(path);
   return origin ? &request.rig->cameras[origin->camera] : nullptr;
 }
 
@@ -250,8 +250,8 @@ const Camera* camera_of(const VerifyRequest& request, const std::filesystem::pat
 // When the photo was taken: by its camera, else by the run. A file's own date is that of a copy.
 std::string moment_of(const Task& task) {
   if (const auto noted = photo_moment(task.input.bytes)) return *noted;
-  const PhotoCameras* cameras = task.request.cameras;
-  const auto origin = cameras == nullptr ? std::nullopt : cameras->origin_of(task.input.path);
+  if (task.request.cameras == nullptr) return {};
+  const Result<PhotoOrigin> origin = task.request.cameras->origin_of(task.input.path);
   return origin && origin->time ? unix_moment(*origin->time).value_or("") : "";
 }
 

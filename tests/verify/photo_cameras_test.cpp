@@ -33,6 +33,12 @@ TEST_CASE("a camera's name in a file's name tells who took it, the rest what was
   CHECK(cameras.origin_of("b/site_04_left.jpg")->station != left->station);
   CHECK(cameras.origin_of("a/4 front left.jpg")->camera == 2);  // the longer name
   CHECK_FALSE(cameras.origin_of("a/leftover_04.jpg"));
+  for (const char* both : {"a/right-wall_06_left.jpg", "a/left-wall_06_right.jpg"}) {
+    const auto origin = cameras.origin_of(both);
+    REQUIRE_FALSE(origin);
+    CHECK(origin.error().message.find("the names of the cameras") != std::string::npos);
+  }
+  CHECK_FALSE(PhotoCameras::by_names(rig_with({"left", "Left"})).origin_of("a/4_left.jpg"));
   CHECK_FALSE(cameras.origin_of("a/IMG_2041.jpg"));
 }
 
@@ -58,6 +64,12 @@ TEST_CASE("a run tells by its rows, however its photos' paths are written") {
   CHECK(right->station ==
         cameras.origin_of("surveys/corridor/photos/corridor_03_left.jpg")->station);
   CHECK_FALSE(cameras.origin_of("elsewhere/corridor_03_right.jpg"));
+  Run twice = run;
+  twice.measurements[4].cameras["left"].image = run.measurements[2].cameras.at("left").image;
+  const auto left =
+      PhotoCameras::by_run(rig, twice).origin_of("surveys/corridor/photos/corridor_03_left.jpg");
+  REQUIRE_FALSE(left);
+  CHECK(left.error().message.find("of the run both have it") != std::string::npos);
 }
 
 }  // namespace tagsmith::detail
