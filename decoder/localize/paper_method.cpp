@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -33,48 +36,184 @@ struct Length {
   double sigma = 0;
 };
 
+// How far the vehicle leans from level on the drive's grade, radians.
+struct Lean {
+  double roll = 0;
+  double pitch = 0;
+};
+
 // A seen tag with its distance D from the camera.
 struct RangedTag {
   const SeenTag* seen = nullptr;
-  Length distance;
-  bool is_above = false;  // its P, of O
+  const RigCamera* camera = nullptr;
+  double grade = 0;       // of the drive at the tag: rise per horizontal metre
+  Length distance;        // with what is uncertain of this camera and this tag alone
+  bool is_above = false;  // its P, of the camera
+  double by_roll = 0;     // change of D by one standard deviation of the vehicle's roll, metres
+  double by_pitch = 0;
 };
 
-// The pixel where a square-pixel camera without distortion, with the principal point at (0, 0),
-// would have seen it; nothing where the lens model has no ray.
-std::optional<PixelPoint> ideal_pixel(const Camera& camera, const PixelPoint& pixel) {
-  const std::optional<Eigen::Vector3d> ray = ray_through(camera, {pixel.x, pixel.y});
-  if (!ray) return std::nullopt;
-  return PixelPoint{camera.fy * ray->x(), camera.fy * ray->y()};
+// The attitude of the vehicle on a drive that rises, from a level one of the same heading. Vehicle
+// frames: x forward, y left, z up.
+Eigen::Matrix3d level_from_vehicle(double grade, const Lean& lean = {}) {
+  using Eigen::AngleAxisd;
+  return (AngleAxisd(-std::atan(grade), Eigen::Vector3d::UnitY()) *
+          AngleAxisd(lean.pitch, Eigen::Vector3d::UnitY()) *
+          AngleAxisd(lean.roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
 }
 
-std::optional<double> distance_to(const Camera& camera, const PixelPoint& p, const PixelPoint& q,
-                                  double edge) {
-  const std::optional<PixelPoint> ideal_p = ideal_pixel(camera, p);
-  const std::optional<PixelPoint> ideal_q = ideal_pixel(camera, q);
-  if (!ideal_p || !ideal_q) return std::nullopt;
-  return paper_distance(*ideal_p, *ideal_q, {0, 0}, camera.fy, edge);
+// The level camera that the paper takes for granted, at the place and with the heading of the
+// rig's: x right, y down, z forward, in a level vehicle's frame.
+Eigen::Matrix3d level_camera(const Eigen::Matrix3d& level_from_camera) {
+  constexpr double kVertical = 0.1;  // a camera that looks up or down has no heading of its own
+  const Eigen::Vector3d down(0, 0, -1);
+  Eigen::Vector3d forward = level_from_camera.col(2);
+  forward.z() = 0;
+  if (forward.norm() < kVertical) forward = Eigen::Vector3d::UnitX();
+  forward.normalize();
+  Eigen::Matrix3d axes;
+  axes << down.cross(forward), down, forward;
+  return axes;
 }
 
-std::optional<Length> distance_by_corners(const Camera& camera, const SeenCorners& seen,
-                                          double edge) {
-  const PixelPoint p = seen.corners[0];
-  const PixelPoint q = seen.corners[3];
-  const std::optional<double> distance = distance_to(camera, p, q, edge);
-  if (!distance) return std::nullopt;
-  const double step = seen.sigma_px;
-  double variance = 0;
-  for (const PixelPoint shift : {PixelPoint{step, 0}, PixelPoint{0, step}}) {
-    const auto p_plus = distance_to(camera, p + shift, q, edge);
-    const auto p_minus = distance_to(camera, p - shift, q, edge);
-    const auto q_plus = distance_to(camera, p, q + shift, edge);
-    const auto q_minus = distance_to(camera, p, q - shift, edge);
-    if (!p_plus || !p_minus || !q_plus || !q_minus) return std::nullopt;
-    const double by_p = *p_plus - *p_minus;
-    const double by_q = *q_plus - *q_minus;
-    variance += (by_p * by_p + by_q * by_q) / 4;
+// A tag through a camera: what its corners' pixels say of D.
+class Sight {
+ public:
+  Sight(Camera camera, const Eigen::Matrix3d& level_from_camera, double edge)
+      : camera_(std::move(camera)),
+        ideal_from_camera_(level_camera(level_from_camera).transpose() * level_from_camera),
+        edge_(edge) {}
+
+  // The pixel where the level camera, with square pixels, without distortion and with the principal
+  // point at (0, 0), would have seen it; nothing behind it, or where the lens model has no ray.
+  std::optional<PixelPoint> ideal_pixel(const PixelPoint& pixel) const {
+    const std::optional<Eigen::Vector3d> ray = ray_through(camera_, {pixel.x, pixel.y});
+    if (!ray) return std::nullopt;
+    const Eigen::Vector3d ideal = ideal_from_camera_ * *ray;
+    if (ideal.z() <= 0) return std::nullopt;
+    return PixelPoint{camera_.fy * ideal.x() / ideal.z(), camera_.fy * ideal.y() / ideal.z()};
   }
-  return Length{*distance, std::sqrt(variance)};
+
+  std::optional<double> distance(const PixelPoint& p, const PixelPoint& q) const {
+    const std::optional<PixelPoint> ideal_p = ideal_pixel(p);
+    const std::optional<PixelPoint> ideal_q = ideal_pixel(q);
+    if (!ideal_p || !ideal_q) return std::nullopt;
+    return paper_distance(*ideal_p, *ideal_q, {0, 0}, camera_.fy, edge_);
+  }
+
+ private:
+  Camera camera_;
+  Eigen::Matrix3d ideal_from_camera_;
+  double edge_ = 0;  // length of PQ, metres
+};
+
+// D as a function of all that it depends on, at the values that survey and rig state.
+class DistanceModel {
+ public:
+  DistanceModel(const RigCamera& camera, const SeenCorners& seen, double grade, double edge)
+      : camera_(camera), p_(seen.corners[0]), q_(seen.corners[3]), grade_(grade), edge_(edge) {}
+
+  std::optional<double> value() const {
+    return Sight(camera_.camera, attitude(), edge_).distance(p_, q_);
+  }
+
+  // Half the change of D between both ends of a standard deviation, by:
+  std::optional<double> by_pixels(const PixelPoint& shift_p, const PixelPoint& shift_q) const {
+    const Sight sight(camera_.camera, attitude(), edge_);
+    return half(sight.distance(p_ + shift_p, q_ + shift_q),
+                sight.distance(p_ - shift_p, q_ - shift_q));
+  }
+  std::optional<double> by_camera(const std::function<void(Camera&, double)>& change) const {
+    const auto changed = [&](double sign) {
+      Camera camera = camera_.camera;
+      change(camera, sign);
+      return Sight(camera, attitude(), edge_).distance(p_, q_);
+    };
+    return half(changed(1), changed(-1));
+  }
+  std::optional<double> by_mounting(const Eigen::Vector3d& turn) const {
+    const auto turned = [&](double sign) {
+      const Eigen::AngleAxisd by(sign * turn.norm(), turn.normalized());
+      return Sight(camera_.camera, attitude() * by, edge_).distance(p_, q_);
+    };
+    return half(turned(1), turned(-1));
+  }
+  std::optional<double> by_lean(const Lean& lean) const {
+    const auto leaning = [&](double sign) {
+      const Eigen::Matrix3d level =
+          level_from_vehicle(grade_, {sign * lean.roll, sign * lean.pitch});
+      return Sight(camera_.camera, level * camera_.vehicle_from_camera.rotation, edge_)
+          .distance(p_, q_);
+    };
+    return half(leaning(1), leaning(-1));
+  }
+
+  // P in the level camera's image.
+  std::optional<PixelPoint> ideal_p() const {
+    return Sight(camera_.camera, attitude(), edge_).ideal_pixel(p_);
+  }
+
+ private:
+  Eigen::Matrix3d attitude() const {
+    return level_from_vehicle(grade_) * camera_.vehicle_from_camera.rotation;
+  }
+  static std::optional<double> half(const std::optional<double>& plus,
+                                    const std::optional<double>& minus) {
+    if (!plus || !minus) return std::nullopt;
+    return (*plus - *minus) / 2;
+  }
+
+  const RigCamera& camera_;
+  PixelPoint p_, q_;
+  double grade_ = 0;
+  double edge_ = 0;
+};
+
+// What one tag's D changes by, each by one standard deviation: pixels of its corners, what the rig
+// states of the camera's calibration, and the plate's attitude.
+std::vector<std::optional<double>> changes_of_distance(const DistanceModel& model,
+                                                       const RigCamera& camera,
+                                                       const SeenCorners& seen,
+                                                       double plate_angle_sigma) {
+  const CalibrationSigma& sigma = camera.calibration_sigma;
+  const double px = seen.sigma_px;
+  const double focal = std::hypot(sigma.focal, sigma.focal_drift);
+  const double center = std::hypot(sigma.center, sigma.center_drift);
+  std::vector<std::optional<double>> changes;
+  for (const PixelPoint shift : {PixelPoint{px, 0}, PixelPoint{0, px}}) {
+    changes.push_back(model.by_pixels(shift, {0, 0}));
+    changes.push_back(model.by_pixels({0, 0}, shift));
+  }
+  const PixelPoint up = seen.corners[0] - seen.corners[3];
+  if (const double length = std::hypot(up.x, up.y); length > 0) {
+    const PixelPoint outward{sigma.edge * up.x / length, sigma.edge * up.y / length};
+    changes.push_back(model.by_pixels(outward, PixelPoint{0, 0} - outward));
+  }
+  if (focal > 0) {
+    changes.push_back(model.by_camera([&](Camera& changed, double sign) {
+      changed.fx *= 1 + sign * focal;
+      changed.fy *= 1 + sign * focal;
+    }));
+  }
+  if (center > 0) {
+    changes.push_back(
+        model.by_camera([&](Camera& changed, double s) { changed.cx += s * center; }));
+    changes.push_back(
+        model.by_camera([&](Camera& changed, double s) { changed.cy += s * center; }));
+  }
+  for (int axis = 0; sigma.angle > 0 && axis < 3; ++axis) {
+    changes.push_back(model.by_mounting(sigma.angle * Eigen::Vector3d::Unit(axis)));
+  }
+  changes.emplace_back(sigma.position);
+  const auto p = model.ideal_p();
+  const auto distance = model.value();
+  if (p && distance) {
+    // A plate that leans foreshortens PQ for a camera that looks up or down at it.
+    const double slope = p->y / camera.camera.fy;
+    changes.emplace_back(*distance * plate_angle_sigma * std::abs(slope));
+  }
+  return changes;
 }
 
 // D is inversely proportional to |P'Q'|, near the optical axis by f * PQ.
@@ -87,20 +226,38 @@ bool survey_says_above(const Survey& survey, const PlacedTag& tag, const Rig& ri
   return tag.p_in_grid.z() >= floor + rig.vehicle_height;
 }
 
-// Nothing for a tag at the border of what the camera's lens model covers.
-std::optional<RangedTag> ranged(const SeenTag& seen, const Survey& survey, const Rig& rig,
-                                const RigCamera& rig_camera) {
-  const Camera& camera = rig_camera.camera;
-  const double edge = survey.tag_template.frame_inner_height;
-  if (seen.seen_corners) {
-    const auto p = ideal_pixel(camera, seen.seen_corners->corners[0]);
-    const auto measured = distance_by_corners(camera, *seen.seen_corners, edge);
-    if (!p || !measured) return std::nullopt;
-    return RangedTag{&seen, *measured, paper_tag_is_above(*p, {0, 0})};
+// D by the corners; nothing for a tag at the border of what the camera's lens model covers.
+std::optional<RangedTag> ranged_by_corners(const SeenTag& seen, const Survey& survey,
+                                           const Rig& rig, const RigCamera& camera) {
+  const double grade = survey.tunnel.centerline.at(seen.tag.chainage).grade;
+  const DistanceModel model(camera, *seen.seen_corners, grade,
+                            survey.tag_template.frame_inner_height);
+  const auto p = model.ideal_p();
+  const auto distance = model.value();
+  const auto by_roll = model.by_lean({rig.roll_sigma, 0});
+  const auto by_pitch = model.by_lean({0, rig.pitch_sigma});
+  if (!p || !distance || !by_roll || !by_pitch) return std::nullopt;
+  double variance = 0;
+  for (const auto& change :
+       changes_of_distance(model, camera, *seen.seen_corners, survey.angle_sigma)) {
+    if (!change) return std::nullopt;
+    variance += *change * *change;
   }
+  return RangedTag{
+      &seen,    &camera,  grade, {*distance, std::sqrt(variance)}, paper_tag_is_above(*p, {0, 0}),
+      *by_roll, *by_pitch};
+}
+
+std::optional<RangedTag> ranged(const SeenTag& seen, const Survey& survey, const Rig& rig,
+                                const RigCamera& camera) {
+  if (seen.seen_corners) return ranged_by_corners(seen, survey, rig, camera);
   const double distance = seen.distance.value_or(0);
+  const double edge = survey.tag_template.frame_inner_height;
+  const double grade = survey.tunnel.centerline.at(seen.tag.chainage).grade;
   return RangedTag{&seen,
-                   {distance, outline_distance_sigma(camera, distance, edge)},
+                   &camera,
+                   grade,
+                   {distance, outline_distance_sigma(camera.camera, distance, edge)},
                    survey_says_above(survey, seen.tag, rig)};
 }
 
@@ -221,6 +378,22 @@ ClosedFormInput with_tag_moved(ClosedFormInput input, bool left, const Eigen::Ve
   return input;
 }
 
+// Where a camera stands, from O, of a vehicle that faces along the drive (world axes).
+Eigen::Vector3d from_o(const RangedTag& tag, double heading) {
+  const Pose vehicle = world_from_vehicle(Eigen::Vector3d::Zero(), heading);
+  return vehicle.rotation *
+         (level_from_vehicle(tag.grade) * tag.camera->vehicle_from_camera.translation);
+}
+
+// The closed form knows one point. D is measured from a camera that stands `left` and `right` from
+// it: from O, the tag lies so much before where it hangs.
+ClosedFormInput seen_from_o(const ClosedFormInput& input, const Eigen::Vector3d& left,
+                            const Eigen::Vector3d& right) {
+  ClosedFormInput from = with_tag_moved(with_tag_moved(input, true, -left), false, -right);
+  from.wall_distance += left.dot(right_of(input.heading));
+  return from;
+}
+
 // By how much d is not the distance to the plane of the left plate where the wall bends, for a
 // vehicle as far back as D1 and d allow (the height of the tag above O brings it a little nearer).
 double wall_bend(const Survey& survey, const PlacedTag& left, const ClosedFormInput& input) {
@@ -239,6 +412,34 @@ double wall_mismatch(const Survey& survey, const ClosedFormInput& input,
   const ObservedWall wall =
       observe_wall(survey.tunnel.centerline, survey.tunnel.left, position_in_world);
   return std::abs(wall.distance - input.wall_distance);
+}
+
+// Of a vehicle that does not face along the drive, which nothing states: as far as its envelope,
+// else as it usually leans.
+double heading_sigma(const Rig& rig) {
+  return std::max({rig.envelope ? rig.envelope->yaw : 0.0, rig.roll_sigma, rig.pitch_sigma});
+}
+
+// What moves both tags, as seen from O, at once.
+std::vector<Disturbance> disturbances_of_vehicle(const ClosedFormInput& input, const TagPair& pair,
+                                                 const Rig& rig) {
+  const auto leaning = [&input, &pair](double RangedTag::*change) {
+    return [input, left = pair.left.*change, right = pair.right.*change](double step) {
+      ClosedFormInput changed = input;
+      changed.distance1 += step * left;
+      changed.distance2 += step * right;
+      return changed;
+    };
+  };
+  std::vector<Disturbance> disturbances{leaning(&RangedTag::by_roll),
+                                        leaning(&RangedTag::by_pitch)};
+  const Eigen::Vector3d left = from_o(pair.left, input.heading);
+  const Eigen::Vector3d right = from_o(pair.right, input.heading);
+  disturbances.push_back([input, left, right, sigma = heading_sigma(rig)](double step) {
+    const Eigen::AngleAxisd turn(step * sigma, Eigen::Vector3d::UnitZ());
+    return seen_from_o(input, turn * left - left, turn * right - right);
+  });
+  return disturbances;
 }
 
 std::vector<Disturbance> disturbances_of(const ClosedFormInput& input, const TagPair& pair,
@@ -325,16 +526,24 @@ Eigen::Matrix3d grid_covariance(const Grid& grid, const Eigen::Matrix3d& covaria
   return signs.asDiagonal() * covariance_in_world * signs.asDiagonal();
 }
 
+// The closed form's input: as survey and sensors have it, and from O.
+struct Inputs {
+  ClosedFormInput measured;
+  ClosedFormInput from_o;
+};
+
 // The fix at a solution of the closed form: position, covariance, notes.
-Fix with_position(Fix fix, const Eigen::Vector3d& position_in_world, const ClosedFormInput& input,
-                  const TagPair& pair, double d_sigma, const Survey& survey) {
+Fix with_position(Fix fix, const Eigen::Vector3d& position_in_world, const Inputs& inputs,
+                  const TagPair& pair, double d_sigma, const Survey& survey, const Rig& rig) {
   fix.position_in_grid = grid_from_world(survey.grid, position_in_world);
-  const double mismatch = std::max(wall_mismatch(survey, input, position_in_world),
-                                   wall_bend(survey, pair.left.seen->tag, input));
+  const double mismatch = std::max(wall_mismatch(survey, inputs.measured, position_in_world),
+                                   wall_bend(survey, pair.left.seen->tag, inputs.measured));
+  const ClosedFormInput& input = inputs.from_o;
   const double tag_height = (input.p1_in_world.z() + input.p2_in_world.z()) / 2;
+  std::vector<Disturbance> disturbances = disturbances_of(input, pair, d_sigma, mismatch);
+  std::ranges::move(disturbances_of_vehicle(input, pair, rig), std::back_inserter(disturbances));
   const std::optional<Uncertainty> uncertainty =
-      uncertainty_of(position_in_world, std::abs(position_in_world.z() - tag_height),
-                     disturbances_of(input, pair, d_sigma, mismatch));
+      uncertainty_of(position_in_world, std::abs(position_in_world.z() - tag_height), disturbances);
   if (uncertainty) fix.covariance_in_grid = grid_covariance(survey.grid, uncertainty->covariance);
   if (mismatch > d_sigma) {
     fix.notes.emplace_back(
@@ -379,15 +588,19 @@ Fix localize_by_paper(const Observation& observation, const std::vector<Survey>&
   const Result<Length> d = wall_distance(observation, rig);
   if (!d) return with_reason(fix, observation, d.error().message);
   const ClosedFormInput input = closed_form_input(*pair, survey, d->value);
-  const std::string broken = broken_assumption(input);
-  if (!broken.empty()) return with_reason(fix, observation, broken);
-  const auto position = paper_position(input);
+  const Inputs inputs{input, seen_from_o(input, from_o(pair->left, input.heading),
+                                         from_o(pair->right, input.heading))};
+  for (const ClosedFormInput* each : {&inputs.measured, &inputs.from_o}) {
+    const std::string broken = broken_assumption(*each);
+    if (!broken.empty()) return with_reason(fix, observation, broken);
+  }
+  const auto position = paper_position(inputs.from_o);
   if (!position) return with_reason(fix, observation, position.error().message);
   const std::string outside = outside_tunnel(survey.tunnel, *position);
   if (!outside.empty()) return with_reason(fix, observation, outside);
 
   fix.notes = observation.faults;
-  return with_position(fix, *position, input, *pair, d->sigma, survey);
+  return with_position(fix, *position, inputs, *pair, d->sigma, survey, rig);
 }
 
 }  // namespace tagsmith::detail

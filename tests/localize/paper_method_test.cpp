@@ -221,6 +221,83 @@ TEST_CASE("the rig's distortion is undone before the distance is taken") {
   CHECK((position_of(fix) - grid_from_world(survey.grid, view.o_in_world)).norm() < 1e-6);
 }
 
+// The corridor's rig, its cameras mounted otherwise.
+Rig rig_mounted(double pitch, double roll, const Eigen::Vector3d& left_position) {
+  Rig rig = rig_named("corridor");
+  for (RigCamera& camera : rig.cameras) {
+    const MountingAngles angles = mounting_angles(camera.vehicle_from_camera);
+    Eigen::Vector3d position = left_position;
+    if (camera.name != "left") position.y() *= -1;
+    camera.vehicle_from_camera =
+        vehicle_from_camera(angles.yaw, radians(pitch), radians(roll), position);
+  }
+  return rig;
+}
+
+TEST_CASE("cameras that are tilted, upside down or away from O measure as level ones at O do") {
+  const Survey survey = survey_named("corridor");
+  for (const Rig& rig :
+       {rig_mounted(-20, 0, {0, 0, 0}), rig_mounted(0, 180, {0, 0, 0}),
+        rig_mounted(0, 90, {0, 0, 0}), rig_mounted(10, -15, {0, 0, 0}),
+        rig_mounted(0, 0, {0.3, 0.2, 0.1}), rig_mounted(-10, 5, {-0.1, 0.15, -0.05})}) {
+    const PairView view = view_of_pair(survey, rig, 3, 0.7, 0.1);
+    const Fix fix = localize_by_paper(view.observation, {survey}, rig);
+    CHECK((position_of(fix) - grid_from_world(survey.grid, view.o_in_world)).norm() < 1e-6);
+  }
+}
+
+TEST_CASE("the covariance contains what calibration and a leaning vehicle do") {
+  constexpr unsigned kSeed = 12;
+  CAPTURE(kSeed);
+  std::mt19937 random(kSeed);
+  std::normal_distribution<double> normal;
+  Survey survey = survey_named("corridor");
+  for (PlacedTag& tag : survey.tags) tag.sigma = 0;
+  Rig rig = rig_named("corridor");
+  rig.ranges.front().sigma = 1e-4;
+  rig.roll_sigma = rig.pitch_sigma = radians(0.3);
+  for (RigCamera& camera : rig.cameras) {
+    camera.calibration_sigma = {
+        .position = 0.0005, .angle = radians(0.1), .focal = 0.001, .center = 0.5};
+  }
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  int located = 0;
+  for (int i = 0; i < 600; ++i) {
+    Rig true_rig = rig;
+    const auto turn = [&](double sigma) {
+      const Eigen::Vector3d by = sigma * Eigen::Vector3d(normal(random), normal(random), 0);
+      return Eigen::Matrix3d(Eigen::AngleAxisd(by.norm(), by.normalized()));
+    };
+    const Eigen::Matrix3d lean = turn(rig.roll_sigma);
+    for (RigCamera& camera : true_rig.cameras) {
+      const CalibrationSigma& sigma = camera.calibration_sigma;
+      Pose& pose = camera.vehicle_from_camera;
+      pose.rotation = lean * pose.rotation * turn(sigma.angle);
+      const Eigen::Vector3d off(normal(random), normal(random), normal(random));
+      pose.translation += lean * (sigma.position * off);
+      camera.camera.fx *= 1 + sigma.focal * normal(random);
+      camera.camera.fy = camera.camera.fx;
+      camera.camera.cx += sigma.center * normal(random);
+      camera.camera.cy += sigma.center * normal(random);
+    }
+    PairView view = view_of_pair(survey, true_rig, 3, 0.55, 0.0);
+    for (SeenTag& seen : view.observation.tags) seen.seen_corners->sigma_px = 0.001;
+    const Fix fix = localize_by_paper(view.observation, {survey}, rig);
+    if (!fix.position_in_grid || !fix.covariance_in_grid) continue;
+    ++located;
+    const Eigen::Vector3d error =
+        *fix.position_in_grid - grid_from_world(survey.grid, view.o_in_world);
+    squares += error.cwiseAbs2().cwiseQuotient(fix.covariance_in_grid->diagonal());
+  }
+  REQUIRE(located > 400);
+  squares /= located;
+  MESSAGE("mean square of errors over their sigmas: " << squares.transpose());
+  for (const int axis : {1, 2}) {
+    CHECK(squares[axis] > 0.4);
+    CHECK(squares[axis] < 1.5);
+  }
+}
+
 TEST_CASE("the covariance is what noise of the stated size does") {
   constexpr unsigned kSeed = 4;
   CAPTURE(kSeed);
@@ -229,6 +306,7 @@ TEST_CASE("the covariance is what noise of the stated size does") {
   Survey survey = survey_named("corridor");
   for (PlacedTag& tag : survey.tags) tag.sigma = 0;
   Rig rig = rig_named("corridor");
+  rig.roll_sigma = rig.pitch_sigma = 0;
   // Small enough for the closed form to be linear; a centimetre leaves it without solution.
   rig.ranges.front().sigma = 2e-4;
   const double corner_sigma = 0.02;
