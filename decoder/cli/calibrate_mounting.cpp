@@ -194,6 +194,32 @@ std::string camera_of_contradictions(const MountingFit& fit) {
   return {};
 }
 
+// A camera that stands elsewhere than the rig states, beyond doubt; empty where there is none. In
+// photos that are mirrored, cameras come out at other heights, and nothing else tells.
+std::string camera_of_other_place(const MountingFit& fit, const Rig& rig) {
+  constexpr double kSure = 4;  // standard deviations
+  constexpr std::array<std::array<const char*, 2>, 3> kWays{
+      {{"behind", "ahead of"}, {"to the right of", "to the left of"}, {"below", "above"}}};
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    const FittedMounting& found = fit.cameras[c];
+    const RigCamera& stated = rig.cameras[c];
+    const Eigen::Vector3d moved =
+        found.vehicle_from_camera.translation - stated.vehicle_from_camera.translation;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double known = stated.calibration_sigma.position;
+      const bool is_held = found.tags == 0 || found.held[static_cast<std::size_t>(i)];
+      if (is_held || std::abs(moved[i]) <= kSure * std::hypot(known, found.sigma[i])) continue;
+      return fmt::format(
+          "camera {} stands {:.3f} m {} where the rig states it, which is known to {:.3f} m{}: "
+          "measure its place with a tape, or state how well it is known (sigma.position); photos "
+          "that are mirrored look so",
+          stated.name, std::abs(moved[i]), kWays[static_cast<std::size_t>(i)][moved[i] > 0 ? 1 : 0],
+          known, stated.assumed_sigma.empty() ? "" : " (assumed)");
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 int calibrate_mounting(const CalibrateMountingOptions& options) {
@@ -218,7 +244,8 @@ int calibrate_mounting(const CalibrateMountingOptions& options) {
     const auto written = write_rig(options, *fit);
     if (!written) return report_failure(kCalibrate, written.error());
   }
-  const std::string doubt = camera_of_contradictions(*fit);
+  std::string doubt = camera_of_contradictions(*fit);
+  if (doubt.empty()) doubt = camera_of_other_place(*fit, input->rig);
   return doubt.empty() ? kExitOk : refuse("do not rely on this mounting: " + doubt);
 }
 

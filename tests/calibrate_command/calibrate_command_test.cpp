@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "decoder/image/load.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_calibration.hpp"
@@ -372,6 +373,33 @@ TEST_CASE("a drive tells where cameras look, and the rig is written with it") {
   CHECK(untold.exit_code == 1);
   CHECK(untold.err.find("2 of 2 rows") != std::string::npos);
   CHECK_FALSE(fs::exists(fitted));
+}
+
+TEST_CASE("a drive with one camera's photos mirrored top to bottom is not relied on") {
+  const TemporaryFolder folder;
+  const std::string photos = fs::absolute("surveys/corridor/photos").string();
+  std::string rows = "id,left,right\n";
+  for (int row = 1; row <= 10; ++row) {
+    const GrayImage image =
+        load_gray_image(fmt::format("{}/corridor_{:02}_left.jpg", photos, row)).value();
+    std::string mirrored = fmt::format("P5 {} {} 255\n", image.width, image.height);
+    for (int y = image.height - 1; y >= 0; --y) {
+      const std::uint8_t* first = image.view().row(y);
+      mirrored.append(first, first + image.width);
+    }
+    const fs::path left = folder.path() / fmt::format("left{}.pgm", row);
+    REQUIRE(write_file(left, mirrored));
+    rows += fmt::format("{},{},{}/corridor_{:02}_right.jpg\n", row, left.string(), photos, row);
+  }
+  const fs::path run = folder.path() / "run.csv";
+  REQUIRE(write_file(run, rows));
+  const ProgramOutput output = run_tagsmith(
+      "calibrate --survey surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --run '" +
+      run.string() + "'");
+  CHECK(output.exit_code == 1);
+  CHECK_MESSAGE(output.err.find("do not rely on this mounting: camera right stands 0.15") !=
+                    std::string::npos,
+                output.err);
 }
 
 TEST_CASE("rows with a photo of another row make no mounting") {
