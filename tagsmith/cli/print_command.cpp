@@ -20,6 +20,7 @@
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
+#include "tagsmith/render/tag_text.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/survey/read_printer.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -136,6 +137,44 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   return style;
 }
 
+// A label's line that is cut before its end; the last one, which by usual lines has the revision,
+// only where it has digits of the code. Empty where none is.
+std::string cut_line(const PrintJob& job, const PlacedTag& tag) {
+  const std::vector<TextItem> label = printed_drawing(job, tag).label;
+  const std::string digits = grouped_digits(job.survey->code, tag.digits);
+  for (const TextItem& line : label) {
+    const bool counts = &line != &label.back() || line.text.find(digits) != std::string::npos;
+    const SheetText text{.text = line.text, .height = line.height, .max_width = line.max_width};
+    if (counts && is_cut(text)) return line.text;
+  }
+  return {};
+}
+
+// Warns of labels that do not say all that they should.
+void warn_of_labels(const PrintJob& job) {
+  constexpr std::size_t kMostTags = 200;  // further ones are as long
+  std::size_t seen = 0;
+  for (const PrintUnit& unit : job.units) {
+    for (const PlacedTag* tag : unit.tags) {
+      if (++seen > kMostTags) return;
+      if (const std::string line = cut_line(job, *tag); !line.empty()) {
+        return to_stderr(
+            "tagsmith print: warning: the label of {} has no room for all of `{}`: more "
+            "label.lines "
+            "of fewer words, or a wider strip beside or below the feature frame\n",
+            tag->name, line);
+      }
+      for (const TextItem& line : printed_drawing(job, *tag).label) {
+        if (has_glyphs(line.text)) continue;
+        return to_stderr(
+            "tagsmith print: warning: no font on this machine has every character of `{}` on the "
+            "label of {}: install one, for example fonts-noto-cjk\n",
+            line.text, tag->name);
+      }
+    }
+  }
+}
+
 // What the files lack, or readers must know, through no fault of the survey; on standard error.
 void warn(const PrintJob& job) {
   const auto say = [](const std::string& text) {
@@ -151,6 +190,7 @@ void warn(const PrintJob& job) {
     say("no font on this machine has every character of the survey's name " + job.survey->name +
         ": install one, for example fonts-noto-cjk");
   }
+  warn_of_labels(job);
   if (!job.rounding.empty()) {
     to_stderr("tagsmith print: {}\n", job.rounding);
   }

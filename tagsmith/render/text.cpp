@@ -5,6 +5,8 @@
 #include <cairo.h>
 #include <map>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -19,7 +21,6 @@ namespace {
 // Text is laid out at one font size and scaled to its height when drawn, so that its shape does not
 // depend on the size.
 constexpr double kFontSize = 100;
-constexpr double kLeastShrink = 0.6;
 
 struct Unref {
   void operator()(void* object) const { g_object_unref(object); }
@@ -43,13 +44,70 @@ Context make_context() {
   return context;
 }
 
-Layout make_layout(PangoContext* context, const std::string& text) {
+// Of the scripts that are written from right to left (Unicode blocks from Hebrew to Arabic
+// Extended-A, their presentation forms, and those of the supplementary plane).
+bool is_right_to_left(gunichar c) {
+  return (c >= 0x0590 && c <= 0x08FF) || (c >= 0xFB1D && c <= 0xFDFF) ||
+         (c >= 0xFE70 && c <= 0xFEFF) || (c >= 0x10800 && c <= 0x10FFF) ||
+         (c >= 0x1E800 && c <= 0x1EFFF);
+}
+
+// Beside words from right to left, what stands between them from its first to its last letter or
+// digit keeps its own order, as a left-to-right isolate (Unicode Standard Annex 9): groups of
+// digits would be set in reversed order, and minus signs behind their numbers.
+std::string with_isolates(const std::string& text) {
+  const std::string kBegin = "\u2066", kEnd = "\u2069";
+  std::string result;
+  std::string run;                  // since the last character from right to left
+  std::size_t first = 0;            // of the run that is isolated
+  std::optional<std::size_t> last;  // past it
+  bool any = false;
+  const auto end_run = [&] {
+    if (last)
+      run = run.substr(0, first) + kBegin + run.substr(first, *last - first) + kEnd +
+            run.substr(*last);
+    result += run;
+    run.clear();
+    last.reset();
+  };
+  for (const char* at = text.c_str(); *at != '\0'; at = g_utf8_next_char(at)) {
+    const gunichar c = g_utf8_get_char(at);
+    const std::size_t before = run.size();
+    const std::string_view bytes(at, static_cast<std::size_t>(g_utf8_next_char(at) - at));
+    if (is_right_to_left(c)) {
+      any = true;
+      end_run();
+      result += bytes;
+      continue;
+    }
+    run += bytes;
+    if (g_unichar_isalnum(c) == FALSE) continue;
+    const bool has_sign = before > 0 && (run[before - 1] == '-' || run[before - 1] == '+');
+    if (!last) first = has_sign ? before - 1 : before;
+    last = run.size();
+  }
+  end_run();
+  return any ? result : text;
+}
+
+// Whether the first letter is of such a script: then the line is read from the right.
+bool begins_right_to_left(const std::string& text) {
+  for (const char* at = text.c_str(); *at != '\0'; at = g_utf8_next_char(at)) {
+    const gunichar c = g_utf8_get_char(at);
+    if (g_unichar_isalpha(c) != FALSE) return is_right_to_left(c);
+  }
+  return false;
+}
+
+// `plain` is printable text.
+Layout make_layout(PangoContext* context, const std::string& plain) {
+  const std::string text = with_isolates(plain);
   Layout layout(pango_layout_new(context));
   PangoFontDescription* font = pango_font_description_from_string("DejaVu Sans");
   pango_font_description_set_absolute_size(font, kFontSize * PANGO_SCALE);
   pango_layout_set_font_description(layout.get(), font);
   pango_font_description_free(font);
-  pango_layout_set_auto_dir(layout.get(), FALSE);
+  pango_layout_set_auto_dir(layout.get(), begins_right_to_left(plain) ? TRUE : FALSE);
   pango_layout_set_single_paragraph_mode(layout.get(), TRUE);
   // Ligatures would be copied and searched as other letters.
   PangoAttrList* attributes = pango_attr_list_new();
@@ -115,8 +173,8 @@ SetText lay_out_text(const SheetText& text) {
   set.layout = make_layout(context.get(), printable_text(text.text));
   const double scale = text.height / capital;
   double shrink = shrink_to(text.max_width / scale, extents_of(set.layout.get()).width);
-  if (shrink < kLeastShrink) {
-    shrink = kLeastShrink;
+  if (shrink < kLeastTextShrink) {
+    shrink = kLeastTextShrink;
     ellipsize(set.layout.get(), text.max_width / (scale * shrink));
   }
   const Extents extents = extents_of(set.layout.get());
@@ -163,6 +221,11 @@ std::string path_data(const cairo_path_t& path) {
 }
 
 }  // namespace
+
+bool is_cut(const SheetText& text) {
+  const double width = text_width(text.text, text.height);
+  return width > 0 && shrink_to(text.max_width, width) < kLeastTextShrink;
+}
 
 bool has_glyphs(const std::string& text) {
   const Layout layout = make_layout(text_tools().context.get(), printable_text(text));

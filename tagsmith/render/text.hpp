@@ -12,6 +12,9 @@ typedef struct _cairo cairo_t;  // NOLINT(bugprone-reserved-identifier): as cair
 
 namespace tagsmith::detail {
 
+// True when the text is too long for its width even when it is shrunk, and so ends in an ellipsis.
+bool is_cut(const SheetText& text);
+
 // True when the machine's fonts have every character of the text; what none has prints as a box.
 bool has_glyphs(const std::string& text);
 

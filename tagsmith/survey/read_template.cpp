@@ -203,10 +203,14 @@ bool touches(const HoleOutline& hole, const Rectangle& box) {
   return std::hypot(right, down) < hole.radius;
 }
 
-bool lies_inside(const HoleOutline& hole, const Rectangle& box) {
-  return hole.centre.x - hole.radius >= box.x && hole.centre.y - hole.radius >= box.y &&
-         hole.centre.x + hole.radius <= box.x + box.width &&
-         hole.centre.y + hole.radius <= box.y + box.height;
+// How far inside the plate's edge a point lies; negative outside. The plate's corners are rounded.
+double inside_edge(const TagDrawing& drawing, const PlatePoint& at) {
+  const Rectangle& plate = drawing.plate;
+  const double radius = drawing.corner_radius;
+  const double right = std::abs(at.x - plate.x - plate.width / 2) - plate.width / 2 + radius;
+  const double down = std::abs(at.y - plate.y - plate.height / 2) - plate.height / 2 + radius;
+  return radius - std::hypot(std::max(right, 0.0), std::max(down, 0.0)) -
+         std::min(std::max(right, down), 0.0);
 }
 
 Rectangle grown(const Rectangle& box, double by) {
@@ -216,12 +220,13 @@ Rectangle grown(const Rectangle& box, double by) {
 // Holes belong on the plate, off everything that is printed there.
 void check_holes(const TagTemplate& tag, const TagDrawing& drawing, const MapReader& file) {
   constexpr double kRounding = 1e-9;
-  const Rectangle plate = grown(drawing.plate, kRounding - kEdgeClearance);
   const Rectangle frame = grown(drawing.frame_outer, label_clearance(tag));
   for (std::size_t i = 0; i < drawing.holes.size(); ++i) {
     const HoleOutline& hole = drawing.holes[i];
     std::string problem;
-    if (!lies_inside(hole, plate)) problem = "is less than 3 mm from the plate's edge";
+    if (inside_edge(drawing, hole.centre) - hole.radius < kEdgeClearance - kRounding) {
+      problem = "is less than 3 mm from the plate's edge";
+    }
     if (touches(hole, frame)) problem = "lies on the feature frame or too near to it";
     const bool strip_is_used = tag.label.shown || drawing.patches || drawing.qr || drawing.logo;
     if (strip_is_used && touches(hole, strip_below_frame(tag))) {
@@ -278,6 +283,24 @@ void read_plate_parts(const MapReader& file, const fs::path& template_folder, Ta
   read_cut(MapReader(file.find("cut"), "cut", {"contour", "corner_radius_mm"}, log), tag);
 }
 
+// The plate's rounded corners leave the feature frame whole.
+void check_corners(const TagTemplate& tag, const TagDrawing& drawing, const MapReader& file) {
+  constexpr double kRounding = 1e-9;
+  const Rectangle& frame = drawing.frame_outer;
+  double least = 0;
+  for (const double x : {frame.x, frame.x + frame.width}) {
+    for (const double y : {frame.y, frame.y + frame.height}) {
+      least = std::min(least, inside_edge(drawing, {x, y}));
+    }
+  }
+  if (least >= -kRounding) return;
+  file.log().error(file.find("cut")->place, "corner-radius",
+                   fmt::format("corners of {} mm radius cut {} mm off the corners of the feature "
+                               "frame",
+                               format_number(tag.cut.corner_radius * 1e3), mm_text(-least, 1)),
+                   "a smaller radius, or a larger plate");
+}
+
 // All of it has its place on the plate.
 void check_plate_parts(const TagTemplate& tag, const MapReader& file) {
   const double least_side = std::min(tag.plate_length, tag.plate_height);
@@ -288,6 +311,7 @@ void check_plate_parts(const TagTemplate& tag, const MapReader& file) {
                      "");
   }
   const TagDrawing drawing = draw_tag(tag, Digits{});
+  check_corners(tag, drawing, file);
   check_strip(tag, drawing, file);
   check_holes(tag, drawing, file);
 }

@@ -198,7 +198,10 @@ std::vector<HoleOutline> holes_of(const TagTemplate& tag, const Rectangle& plate
 void add_label(TagDrawing& drawing, const TagTemplate& tag, const TagText& text,
                const Rectangle& strip) {
   if (!tag.label.shown) return;
-  const LabelRows label = place_label(drawing, tag, text, strip);
+  LabelRows label = place_label(drawing, tag, text, strip);
+  // Smaller letters rather than lines that end early.
+  const double whole = std::max(label.least_height / kLeastTextShrink, kLeastLabelHeight);
+  label.height = std::min(label.height, whole);
   if (label.height < kLeastLabelHeight) return;
   drawing.arrows.push_back({label.arrow()});
   for (std::size_t i = 0; i < label.rows.size(); ++i) {

@@ -36,6 +36,9 @@ std::array<PlatePoint, 4> corners_of(const Rectangle& rectangle);
 inline constexpr double kTextAscent = 1.3;
 inline constexpr double kTextDescent = 0.4;
 
+// A text too long for its width is shrunk to this at most, and then cut.
+inline constexpr double kLeastTextShrink = 0.6;
+
 // A line of text; (x, y) is the left end (centred: the middle) of its baseline.
 struct TextItem {
   std::string text;

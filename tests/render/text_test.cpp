@@ -90,6 +90,16 @@ TEST_CASE("any bytes become printable text") {
   CHECK(printable_text(std::string("a\0b", 3)).size() > 0);
 }
 
+TEST_CASE("groups of digits and signs keep their order beside words from right to left") {
+  const std::string word = "\u05D9\u05DE\u05D9\u05DF";  // Hebrew: right
+  // Outlines come from left to right. A line that begins with such a word is read from the right.
+  const std::string digits = text_path(text_of("000R - 1150 1122 6"));
+  CHECK(text_path(text_of(word + " 000R - 1150 1122 6")).starts_with(digits));
+  CHECK(text_path(text_of(word + " -409.000")).starts_with(text_path(text_of("-409.000"))));
+  const std::string name = text_path(text_of("000R"));
+  CHECK(text_path(text_of("000R " + word + " 1150 6")).starts_with(name));
+}
+
 TEST_CASE("no text, nor text no font has, does harm") {
   CHECK(text_path(text_of("")).empty());
   CHECK(ink_of(text_of("x", 0)).right <= 0.01);

@@ -55,6 +55,11 @@ const Breakage kTemplateErrors[] = {
     {"no lines", "text_height_mm: 8", "lines: []", "out-of-range", 5},
     {"corners rounder than the plate", "tag: trial", "cut: { corner_radius_mm: 200 }\ntag: trial",
      "corner-radius", 1},
+    {"corners that cut the feature frame", "tag: trial",
+     "cut: { corner_radius_mm: 140 }\ntag: trial", "corner-radius", 1},
+    {"holes that rounded corners leave near the edge", "tag: trial",
+     "cut: { corner_radius_mm: 20 }\nholes: { diameter_mm: 4, inset_mm: 6 }\ntag: trial",
+     "hole-misplaced", 2},
     {"material as a list", "tag: trial", "material: [steel]\ntag: trial", "wrong-type", 1},
     {"text of no height", "text_height_mm: 8", "text_height_mm: 0", "out-of-range", 5},
 };
