@@ -72,8 +72,12 @@ struct PrintJob {
   std::optional<TilePlan> tiles;
   std::vector<PrintUnit> units;
 
+  bool lies = false;  // its pages leave the printer turned by a quarter
+
+  // Across and down its pages.
   PrinterScale printer_scale() const {
-    return style.printer ? style.printer->scale : PrinterScale{};
+    const PrinterScale scale = style.printer ? style.printer->scale : PrinterScale{};
+    return lies ? turned(scale) : scale;
   }
   const OutputIntent* intent() const { return style.intent ? &*style.intent : nullptr; }
   int dots_per_inch() const { return printed.dots_per_inch; }

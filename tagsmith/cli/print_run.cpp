@@ -90,9 +90,10 @@ Json roll_json(const RollUse& roll) {
 }
 
 // Micrometres on a metre: finer than paper keeps.
-Json printer_json(const PrinterProfile& printer) {
-  return {{"profile", printer.name},
-          {"scale", {to_micrometre(printer.scale.right), to_micrometre(printer.scale.down)}}};
+Json printer_json(const PrintJob& job) {
+  const PrinterScale scale = job.printer_scale();
+  return {{"profile", job.style.printer->name},
+          {"scale", {to_micrometre(scale.right), to_micrometre(scale.down)}}};
 }
 
 // What all files of a print have in common.
@@ -122,7 +123,7 @@ Json common_json(const PrintJob& job) {
           {"material", tag.material},
           {"paper", job.style.paper ? job.style.paper->name : ""},
           {"tiles", job.tiles ? tiles_json(*job.tiles) : Json()},
-          {"printer", job.style.printer ? printer_json(*job.style.printer) : Json()}};
+          {"printer", job.style.printer ? printer_json(job) : Json()}};
 }
 
 Json tags_json(const PrintRecord& record) {

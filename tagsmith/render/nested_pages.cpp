@@ -205,7 +205,8 @@ std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& pape
     best.roll = true;
   } else {
     const auto attempt = [&](double width, double height, bool may_turn) {
-      NestPlan plan = plan_on(plate, width * paper.reach.right, height * paper.reach.down, bleed,
+      const PrinterScale reach = width > height ? turned(paper.reach) : paper.reach;
+      NestPlan plan = plan_on(plate, width * reach.right, height * reach.down, bleed,
                               kMostNestedPlates, may_turn);
       if (best.places.empty() || plan.plates() > best.plates()) best = std::move(plan);
     };

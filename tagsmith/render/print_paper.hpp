@@ -16,7 +16,7 @@ struct PrintPaper {
   std::string name;
   double width = 0;
   double height = 0;
-  PrinterScale reach{};  // of drawings of true size on its pages
+  PrinterScale reach{};  // of drawings of true size, across the paper and along it
 
   bool roll() const { return height == 0; }
 };

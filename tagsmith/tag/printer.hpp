@@ -19,6 +19,9 @@ struct PrinterScale {
   bool is_true() const { return right == 1 && down == 1; }
 };
 
+// Of a page that leaves the printer turned by a quarter.
+inline PrinterScale turned(const PrinterScale& scale) { return {scale.down, scale.right}; }
+
 // Scales beyond this, either way, are no printer's but a page fitted to its paper.
 inline constexpr double kMostPrinterScale = 0.03;
 

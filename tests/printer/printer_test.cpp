@@ -95,20 +95,25 @@ GrayImage scanned(const cv::Mat& ink, const Printer& printer, const Scanner& sca
   return scan;
 }
 
-GrayImage print_and_scan(const fs::path& pdf, const Printer& printer, const Scanner& scanner = {}) {
-  return scanned(printed(pdf, printer), printer, scanner);
+// `turned`: the page is wider than the printer takes.
+GrayImage print_and_scan(const fs::path& pdf, const Printer& printer, const Scanner& scanner = {},
+                         bool turned = false) {
+  cv::Mat ink = printed(pdf, printer);
+  if (turned) cv::rotate(ink, ink, cv::ROTATE_90_CLOCKWISE);
+  return scanned(ink, printer, scanner);
 }
 
 double mm_per_dot() { return kMillimetresPerInch / kPrinterDpi; }
 
 // Of the feature frame inside, millimetres, as the printer and a scanner make it.
-double length_in_scan(const fs::path& pdf, const fs::path& survey, const Printer& printer) {
+double length_in_scan(const fs::path& pdf, const fs::path& survey, const Printer& printer,
+                      bool turned = false) {
   Scanner scanner;
   scanner.dpi = 150;
   const Survey loaded = load_survey(survey).value();
   ReadOptions options = read_options_for({&loaded, 1});
   options.code_book.clear();
-  const ReadResult read = read_tags(print_and_scan(pdf, printer, scanner).view(), options);
+  const ReadResult read = read_tags(print_and_scan(pdf, printer, scanner, turned).view(), options);
   REQUIRE(read.tags.size() == 1);
   const auto& [p, f, r, q] = read.tags.front().corners;
   return (distance(p, f) + distance(q, r)) / 2 / 150 * kMillimetresPerInch;
@@ -186,6 +191,28 @@ TEST_CASE("plates printed with a profile have their size, are proved and verifie
               .exit_code == 0);
   CHECK(length_in_scan(folder.path() / "black" / "000L.pdf", black, printer) ==
         doctest::Approx(343).epsilon(0.0003));
+}
+
+TEST_CASE("a lying sheet leaves the printer turned, and so does what the profile takes away") {
+  const TemporaryFolder folder;
+  Printer printer;
+  printer.scale_right = 1.004;
+  printer.scale_down = 0.997;
+  const fs::path profile = folder.path() / "office.yaml";
+  REQUIRE(write_file(
+      profile, printer_profile_text(
+                   {"office", {printer.scale_right, printer.scale_down}, 0.127e-3, 0.127e-3, 0})));
+  std::string text = *read_file("surveys/corridor/survey.yaml");
+  text.replace(text.find("tag-400x300"), 11, "tag-a4");
+  const fs::path survey = folder.path() / "survey.yaml";
+  REQUIRE(write_file(survey, text));
+  const ProgramOutput output = run_tagsmith(
+      fmt::format("print {} -o {} --paper A4 --tags 000L --proof --format pdf --profile {}",
+                  survey.string(), (folder.path() / "out").string(), profile.string()));
+  REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+  const double wanted = 1000 * load_survey(survey).value().tag_template.frame_inner_length;
+  CHECK(length_in_scan(folder.path() / "out" / "sheet-001.pdf", survey, printer, true) ==
+        doctest::Approx(wanted).epsilon(0.0005));
 }
 
 TEST_CASE("what is no scan of the sheet, and no profile, is refused and nothing written") {
