@@ -134,10 +134,11 @@ Json tags_json(const PrintRecord& record) {
 
 // What becomes of the tags of an earlier print.
 struct EarlierTags {
-  Json kept = Json::array();         // all of whose files are still there
-  std::vector<std::string> gone;     // names of those whose files this print replaces
-  std::vector<std::string> changed;  // files of those that the survey has otherwise now
-  std::vector<std::string> again;    // files of those that this print has, too
+  Json kept = Json::array();           // all of whose files are still there
+  std::vector<std::string> gone;       // names of those whose files this print replaces
+  std::vector<std::string> changed;    // files of those that the survey has otherwise now
+  std::vector<std::string> again;      // files of those that this print has, too
+  std::vector<std::string> left_over;  // files that no manifest has any longer
 };
 
 void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& folder,
@@ -168,6 +169,28 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
   tags.kept.push_back(std::move(tag));
 }
 
+// Whether both prints have in common what a manifest says once for all tags.
+bool is_of_one_kind(const Json& earlier, const Json& common) {
+  for (const auto& [key, value] : common.items()) {
+    const bool may_differ = key == "survey_file" || key == "revision";
+    if (!may_differ && earlier.value(key, Json()) != value) return false;
+  }
+  return true;
+}
+
+// Files of an earlier print that are in no manifest any longer, such as the contours of other
+// pages.
+void find_left_over(const Json& earlier, const std::filesystem::path& folder,
+                    const PrintRecord& record, EarlierTags& tags) {
+  std::error_code ignored;
+  for (const auto& [name, hash] : earlier.at("sha256").items()) {
+    const bool is_known = record.sha256.contains(name) || record.kept_sha256.contains(name);
+    const bool is_name = std::filesystem::path(name).filename() == name;
+    if (is_known || !is_name || !std::filesystem::exists(folder / name, ignored)) continue;
+    tags.left_over.push_back(name);
+  }
+}
+
 std::vector<std::string> warnings_of(const EarlierTags& tags) {
   std::vector<std::string> warnings;
   const auto warn = [&](const std::vector<std::string>& names, std::string_view words) {
@@ -177,6 +200,9 @@ std::vector<std::string> warnings_of(const EarlierTags& tags) {
        "no file of the folder has {} any more, as this print took their place: print "
        "them, too");
   warn(tags.changed, "{}: the survey has other digits or no such tag now: print again or remove");
+  warn(tags.left_over,
+       "{}: of an earlier print that was made otherwise, and no longer in the manifest: remove, or "
+       "print into a folder of its own");
   warn(tags.again,
        "{}: an earlier print of tags that are printed again: remove, so that no plate "
        "is made twice");
@@ -253,20 +279,13 @@ void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
   if (!bytes) return;
   try {
     const Json earlier = Json::parse(*bytes);
-    const Json common = common_json(job);
-    for (const auto& [key, value] : common.items()) {
-      const bool may_differ = key == "survey_file" || key == "revision";
-      if (may_differ || earlier.value(key, Json()) == value) continue;
-      record.warnings = {fmt::format(
-          "the manifest no longer has the files of an earlier print, whose {} was another: print "
-          "into a folder of its own, or remove them",
-          key)};
-      return;
-    }
     EarlierTags tags;
-    for (const Json& tag : earlier.at("tags")) {
-      take_earlier(tag, earlier, folder, *job.survey, record, tags);
+    if (is_of_one_kind(earlier, common_json(job))) {
+      for (const Json& tag : earlier.at("tags")) {
+        take_earlier(tag, earlier, folder, *job.survey, record, tags);
+      }
     }
+    find_left_over(earlier, folder, record, tags);
     record.kept_tags = json_text(tags.kept);
     record.warnings = warnings_of(tags);
   } catch (const nlohmann::json::exception&) {
@@ -311,16 +330,25 @@ std::size_t page_count(const PrintJob& job) {
 }
 
 std::string contours_text(const PrintJob& job) {
-  if (job.printed.cut.contour) {
-    return std::string("spot colour CutContour in the PDF files") +
-           (job.tiles ? "" : ", and the DXF files");
+  if (job.tiles) return "by the crop marks";
+  const bool has_pdf = std::ranges::count(job.style.formats, SheetFormat::pdf) > 0;
+  if (job.printed.cut.contour && has_pdf) {
+    return "spot colour CutContour in the PDF files, and the DXF files";
   }
-  return job.tiles ? "by the crop marks" : "the DXF files; the PDF files have crop marks";
+  return "the DXF files; the other files have crop marks";
+}
+
+// Pages of a roll are as long as their plates.
+std::string pages_text(const PrintJob& job) {
+  const Page page = typical_page(job);
+  const std::size_t count = page_count(job);
+  return fmt::format("{} of {} x {}{} mm, bleed {} mm", count, mm_text(page.width),
+                     job.roll && count > 1 ? "at most " : "", mm_text(page.height),
+                     mm_text(job.style.bleed));
 }
 
 std::vector<OrderLine> order_lines(const PrintJob& job, const PrintRecord& record) {
   const TagTemplate& tag = job.printed;
-  const Page page = typical_page(job);
   std::vector<OrderLine> lines{
       {"Survey",
        job.survey->name + (job.style.revision.empty() ? "" : ", revision " + job.style.revision)},
@@ -335,8 +363,7 @@ std::vector<OrderLine> order_lines(const PrintJob& job, const PrintRecord& recor
        fmt::format("{} x {} mm: measure it on the first print", mm_text(tag.frame_inner_length),
                    mm_text(tag.frame_inner_height))},
       {"Paper", paper_text(job)},
-      {"Pages", fmt::format("{} of {} x {} mm, bleed {} mm", page_count(job), mm_text(page.width),
-                            mm_text(page.height), mm_text(job.style.bleed))},
+      {"Pages", pages_text(job)},
       {"Print", "at 100 %, no fitting to the page, black ink alone"},
       {"Contours", contours_text(job)}};
   if (job.style.printer)
@@ -514,10 +541,12 @@ PrintRecord planned_record(const PrintJob& job) {
   return record;
 }
 
-// The folder's files, and the ZIP of them.
-Result<void> publish_with_zip(const PrintJob& job, const PrintRecord& record, StagedFiles& files) {
+// The folder's files, and the ZIP of all that its manifest has.
+Result<void> publish_with_zip(const PrintJob& job, const std::filesystem::path& folder,
+                              const PrintRecord& record, StagedFiles& files) {
   std::vector<ZipEntry> entries;
   for (const auto& [name, hash] : record.sha256) entries.push_back({name, files.staged(name)});
+  for (const auto& [name, hash] : record.kept_sha256) entries.push_back({name, folder / name});
   for (const char* name : {kManifestJson, kManifestCsv}) {
     entries.push_back({name, files.staged(name)});
   }
@@ -525,8 +554,9 @@ Result<void> publish_with_zip(const PrintJob& job, const PrintRecord& record, St
   Result<StagedFiles> beside = StagedFiles::begin(zip.has_parent_path() ? zip.parent_path() : ".");
   if (!beside) return fail(beside.error().message);
   if (auto written = write_zip(beside->staged(zip.filename()), entries); !written) return written;
-  if (auto published = files.publish(); !published) return published;
-  return beside->publish();
+  // The ZIP first: it may be on a full disk, and then the folder stays as it was.
+  if (auto published = beside->publish(); !published) return published;
+  return files.publish();
 }
 
 Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder, StagedFiles& files,
@@ -548,7 +578,7 @@ Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder,
   auto added = files.add(kManifestJson, print_manifest_json(job, record));
   if (added) added = files.add(kManifestCsv, print_manifest_csv(job, record));
   if (!added || job.style.zip.empty()) return added ? files.publish() : added;
-  return publish_with_zip(job, record, files);
+  return publish_with_zip(job, folder, record, files);
 }
 
 }  // namespace

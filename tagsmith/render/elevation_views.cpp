@@ -249,11 +249,16 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
   view.title += "; below: chainage and height of P, straight distances from P to P";
   const Unrolled wall(survey, strip, side);
   SketchLayer& layer = view.sketch.layer("dimensions");
-  std::optional<Vector2d> last;
-  const PlacedTag* last_tag = nullptr;
+  std::vector<SettingOut> along;  // from neighbour to neighbour, whatever the survey's order
   for (const SettingOut& place : places) {
     const bool inside = place.tag->chainage >= strip.from && place.tag->chainage < strip.to;
-    if (!inside || place.tag->side != side) continue;
+    if (inside && place.tag->side == side) along.push_back(place);
+  }
+  std::ranges::stable_sort(
+      along, {}, [&](const SettingOut& place) { return wall.on_plate(*place.tag, 0, 0).x(); });
+  std::optional<Vector2d> last;
+  const PlacedTag* last_tag = nullptr;
+  for (const SettingOut& place : along) {
     const Vector2d p = wall.on_plate(*place.tag, 0, 0);
     const Vector2d foot(p.x(), 0);
     layer.add(Polyline{{p, {foot, Vector2d(0, -0.0055)}}, {.width = kExtraNarrow}});
@@ -267,9 +272,8 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
     say(to_millimetre(place.chainage), -0.0018);
     say("h " + to_millimetre(place.height), 0.0018);
     if (last) {
-      const bool rightwards = foot.x() > last->x();
-      layer.add(Dimension{.from = rightwards ? *last : foot,
-                          .to = rightwards ? foot : *last,
+      layer.add(Dimension{.from = *last,
+                          .to = foot,
                           .offset = -0.020,
                           .text = to_millimetre(distance(*last_tag, *place.tag))});
     }

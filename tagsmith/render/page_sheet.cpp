@@ -94,7 +94,9 @@ SheetArea area_of(const std::vector<std::vector<PlatePoint>>& outlines) {
 // The layers of one tag. The frame is one area, for four rectangles would leave hairline seams on
 // some printers. So are the bars: renderers move the edges of a rectangle that stands alone onto
 // whole pixels.
-std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool with_contour) {
+// The ground of a black plate reaches `bleed` beyond its edge, where the cut may be off.
+std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool with_contour,
+                                  double bleed) {
   const LineStyle line{.width = line_width};
   std::vector<SheetLayer> layers{
       {"feature-frame",
@@ -125,7 +127,10 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   std::erase_if(layers, [](const SheetLayer& each) { return each.items.empty(); });
   if (tag.white_on_black) {
     for (SheetLayer& each : layers) std::ranges::for_each(each.items, make_white);
-    layers.insert(layers.begin(), {"ground", {SheetArea{{rounded(tag.plate, tag.corner_radius)}}}});
+    const Rectangle ground{tag.plate.x - bleed, tag.plate.y - bleed, tag.plate.width + 2 * bleed,
+                           tag.plate.height + 2 * bleed};
+    const double radius = tag.corner_radius > 0 ? tag.corner_radius + bleed : 0;
+    layers.insert(layers.begin(), {"ground", {SheetArea{{rounded(ground, radius)}}}});
   }
   if (tag.qr && !tag.qr->modules.empty()) {
     layers.push_back(
@@ -173,11 +178,12 @@ Sheet sheet_of(const Page& page, bool with_contour) {
   if (page.trim) sheet.trim = box_of(*page.trim);
   if (page.bleed) sheet.bleed = box_of(*page.bleed);
   const bool alone = page.tags.size() == 1 && !page.tags.front().window;
+  const double bleed = page.trim && page.bleed ? page.trim->x - page.bleed->x : 0;
   SheetLayer contour{kCutContour, {}};
   for (std::size_t i = 0; i < page.tags.size(); ++i) {
     const PageTag& tag = page.tags[i];
     const bool cut = with_contour && tag.drawing.cut_contour;
-    for (SheetLayer& layer : layers_of(tag.drawing, page.line_width, cut)) {
+    for (SheetLayer& layer : layers_of(tag.drawing, page.line_width, cut, bleed)) {
       if (!alone) {
         layer.name = "tag-" + std::to_string(i + 1) + "-" + layer.name;
         layer.title = tag.name;
