@@ -173,18 +173,35 @@ struct FourSamples {
   Four weight = Four::Zero();
 };
 
+// The grey levels below and above which a share of the pixels lies: black and white, wherever
+// between them the edge is.
+std::pair<float, float> levels_of(std::vector<EdgeSample> samples, float share) {
+  std::ranges::sort(samples, {}, &EdgeSample::value);
+  float all = 0;
+  for (const EdgeSample& sample : samples) all += sample.weight;
+  float below = 0;
+  float black = samples.front().value, white = samples.back().value;
+  for (const EdgeSample& sample : samples) {
+    if (below <= share * all) black = sample.value;
+    below += sample.weight;
+    if (below <= (1 - share) * all) white = sample.value;
+  }
+  return {black, white};
+}
+
 // The edge's place by the share of the samples that is bright; nothing where the stroke's far edge
-// is among them.
+// is among them, or no edge.
 std::optional<double> place_by_share(const std::vector<EdgeSample>& samples, const SideLine& side) {
+  constexpr float kLeastShare = 0.05F;  // of the pixels, on either side of the edge
+  constexpr float kLeastContrast = 10;  // grey levels
   if (samples.empty() || side.stroke < kEdgeFit.thin_stroke) return std::nullopt;
-  std::vector<float> values;
   float from = 0, to = 0;
   for (const EdgeSample& sample : samples) {
-    values.push_back(sample.value);
     from = std::min(from, sample.across);
     to = std::max(to, sample.across);
   }
-  const float white = quantile(values, 0.9), black = quantile(values, 0.1);
+  const auto [black, white] = levels_of(samples, kLeastShare);
+  if (white - black < kLeastContrast) return std::nullopt;
   float bright = 0, all = 0;
   for (const EdgeSample& sample : samples) {
     if (sample.value > (white + black) / 2) bright += sample.weight;
@@ -597,6 +614,16 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
   return variance * (ends.transpose() * matrix.ldlt().solve(ends));
 }
 
+// The line of a large frame, which was found in a much reduced picture, may be farther from the
+// edge than samples are taken: then as far as the light says.
+SideLine brought_near(const GrayView& image, const SideLine& side) {
+  constexpr double kFarther = 4;  // times as far as samples reach
+  const double band = kFarther * kEdgeFit.most_inward;
+  if (side.stroke < 2 * band) return side;
+  const auto place = place_by_share(edge_samples_between(image, side, band, band), side);
+  return place && std::abs(*place) > kEdgeFit.most_inward / 2 ? moved(side, *place, *place) : side;
+}
+
 }  // namespace
 
 FittedSide::FittedSide(Solved solved) : solved_(std::make_unique<Solved>(std::move(solved))) {}
@@ -604,11 +631,13 @@ FittedSide::FittedSide(FittedSide&&) noexcept = default;
 FittedSide& FittedSide::operator=(FittedSide&&) noexcept = default;
 FittedSide::~FittedSide() = default;
 
-std::optional<FittedSide> FittedSide::fit(const GrayView& image, const SideLine& near,
+std::optional<FittedSide> FittedSide::fit(const GrayView& image, const SideLine& sought,
                                           double thin) {
+  const SideLine near = brought_near(image, sought);
   SideSamples all(image, near, edge_samples(image, near, thin));
   if (all.samples.size() < kLeastSamples) return std::nullopt;
-  if (const auto place = all.likely_place; place && !is_among_fine(*place, 0)) {
+  const auto place = all.likely_place;
+  if (place && std::abs(*place) < near.reach && !is_among_fine(*place, 0)) {
     auto found = solve_finely(image, moved(near, *place, *place), thin);
     if (found) return FittedSide(*std::move(found));
   }

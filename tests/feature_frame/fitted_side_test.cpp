@@ -159,6 +159,19 @@ TEST_CASE("another blur to start from is kept only where it fits better") {
   CHECK(off_by(*fitted, side) < 0.015);
 }
 
+TEST_CASE("a sharp side of a large frame is found up to 13 pixels from where it was sought") {
+  SideLine side = true_side(100);
+  side.reach = 8;  // as of a stroke so thick
+  const GrayImage image = image_of_side(
+      side, [](double) { return 0.8; }, 0.25);
+  for (const double off : {-13.0, -7.0, -6.5, 6.5, 7.0, 13.0}) {
+    CAPTURE(off);
+    const auto fitted = FittedSide::fit(image.view(), moved(side, off, off), kEdgeFit.thin_stroke);
+    REQUIRE(fitted);
+    CHECK(off_by(*fitted, side) < 0.2);
+  }
+}
+
 TEST_CASE("a side outside of the picture, or far from any edge, is told") {
   const SideLine side = true_side();
   const GrayImage image = image_of_side(side, even);
