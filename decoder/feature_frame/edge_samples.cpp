@@ -163,9 +163,8 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
 
 std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double thin,
                                      int zones) {
-  const double inward = std::clamp(side.stroke, 2.0, kEdgeFit.most_inward);
-  const double outward =
-      side.stroke < thin ? side.stroke + 1.5 : std::min(0.75 * side.stroke, kEdgeFit.most_inward);
+  const double inward = std::clamp(side.stroke, 2.0, 8.0);
+  const double outward = side.stroke < thin ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
   return edge_samples_between(image, side, inward, outward, zones);
 }
 

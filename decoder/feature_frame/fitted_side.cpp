@@ -192,16 +192,15 @@ std::pair<float, float> levels_of(std::vector<EdgeSample> samples, float share) 
 // The edge's place by the share of the samples that is bright; nothing where the stroke's far edge
 // is among them, or no edge.
 std::optional<double> place_by_share(const std::vector<EdgeSample>& samples, const SideLine& side) {
-  constexpr float kLeastShare = 0.05F;  // of the pixels, on either side of the edge
-  constexpr float kLeastContrast = 10;  // grey levels
   if (samples.empty() || side.stroke < kEdgeFit.thin_stroke) return std::nullopt;
   float from = 0, to = 0;
   for (const EdgeSample& sample : samples) {
     from = std::min(from, sample.across);
     to = std::max(to, sample.across);
   }
-  const auto [black, white] = levels_of(samples, kLeastShare);
-  if (white - black < kLeastContrast) return std::nullopt;
+  // A twentieth of the pixels on either side of the edge, four times as far apart as what is off.
+  const auto [black, white] = levels_of(samples, 0.05F);
+  if (white - black < 4 * static_cast<float>(kEdgeFit.least_residual)) return std::nullopt;
   float bright = 0, all = 0;
   for (const EdgeSample& sample : samples) {
     if (sample.value > (white + black) / 2) bright += sample.weight;
@@ -617,11 +616,10 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
 // The line of a large frame, which was found in a much reduced picture, may be farther from the
 // edge than samples are taken: then as far as the light says.
 SideLine brought_near(const GrayView& image, const SideLine& side) {
-  constexpr double kFarther = 4;  // times as far as samples reach
-  const double band = kFarther * kEdgeFit.most_inward;
+  const double band = 4 * side.reach;
   if (side.stroke < 2 * band) return side;
   const auto place = place_by_share(edge_samples_between(image, side, band, band), side);
-  return place && std::abs(*place) > kEdgeFit.most_inward / 2 ? moved(side, *place, *place) : side;
+  return place && std::abs(*place) > side.reach / 2 ? moved(side, *place, *place) : side;
 }
 
 }  // namespace

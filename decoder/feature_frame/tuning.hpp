@@ -34,7 +34,6 @@ struct EdgeFitTuning {
   float fine = 1.6F;          // pixels to either side of the edge where samples are close together
   float per_pixel = 4;        // samples there
   int zones = 4;              // along a side in which samples are averaged
-  double most_inward = 8;     // pixels from the line sought that are looked at, either way
   double thin_stroke = 4;     // pixels: fitted by both of its edges; lines that are nearer are one
   double most_pixels = 1000;  // of a side; more add nothing that the model could use
   // Of logarithms: the stroke's thickness by the guess, a side's blur by that of the others.

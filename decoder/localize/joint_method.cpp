@@ -360,6 +360,17 @@ std::string shift_text(const Disagreement& difference) {
                      difference.shift.norm());
 }
 
+// Whether another sighting of the tag by the same camera, in the same place, is used.
+bool is_used_twice(const NamedProblem& named, const JointFit& fit, std::size_t sighting) {
+  constexpr double kSame = 0.5;  // pixels, at the corner P
+  const SeenTag& seen = *named.seen[sighting];
+  return std::ranges::any_of(fit.selection.sightings, [&](std::size_t used) {
+    const SeenTag& other = *named.seen[used];
+    return other.camera == seen.camera && other.tag.name == seen.tag.name &&
+           distance(other.seen_corners->corners[0], seen.seen_corners->corners[0]) < kSame;
+  });
+}
+
 void list_dropped(Fix& fix, const NamedProblem& named, const PoseSearch& search,
                   const JointFit& fit) {
   const JointProblem& problem = named.problem;
@@ -368,6 +379,7 @@ void list_dropped(Fix& fix, const NamedProblem& named, const PoseSearch& search,
     const auto difference = disagreement(problem, fit, i);
     std::string reason = search.reasons[i];
     if (difference) reason = shift_text(*difference);
+    if (is_used_twice(named, fit, i)) reason = "was given twice, and counts once";
     if (reason.empty()) reason = "it cannot be seen from there";
     fix.dropped.push_back({named.seen[i]->tag.name, named.seen[i]->camera, reason});
   }

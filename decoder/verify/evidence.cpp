@@ -302,6 +302,17 @@ void see_part(const PartReading& part, PictureEvidence& evidence) {
   if (std::ranges::none_of(evidence.tags, is_there)) evidence.tags.push_back(std::move(seen));
 }
 
+// Whether what was refused is much smaller than a tag, on a page or scan of known scale that shows
+// one: a shape of a logo.
+bool is_too_small(const PictureEvidence& evidence, const FrameCorners& refused) {
+  constexpr double kLeast = 0.5;  // of the feature frame's length
+  const auto& [p, f, r, q] = refused;
+  const double longest = std::max({distance(p, f), distance(f, r), distance(r, q), distance(q, p)});
+  return !evidence.readings.tags.empty() &&
+         evidence.metres_per_pixel * longest <
+             kLeast * evidence.survey.tag_template.frame_inner_length;
+}
+
 }  // namespace
 
 void see_tags(const PictureReading& read, PictureEvidence& evidence) {
@@ -319,6 +330,7 @@ void see_tags(const PictureReading& read, PictureEvidence& evidence) {
                                    reading.module_px);
   }
   for (const Rejection& rejection : evidence.readings.rejected) {
+    if (evidence.metres_per_pixel > 0 && is_too_small(evidence, rejection.corners)) continue;
     TagEvidence& seen = evidence.tags.emplace_back();
     seen.sight = Sight::refused;
     seen.refusal = &rejection;

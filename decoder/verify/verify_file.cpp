@@ -454,7 +454,7 @@ Result<std::shared_ptr<const PrintManifest>> manifest_beside(const VerifyRequest
 // A file that `print` wrote. One of plates that are drawn otherwise by now is not read: it would be
 // searched for the present ones.
 Result<VerifiedFile> verify_printed(const Task& task, ManifestEntry entry) {
-  const bool is_old = !task.expected.empty() &&
+  const bool is_old = !task.expected.empty() && task.manifest->survey == task.request.survey.name &&
                       !printed_otherwise(*task.manifest, task.request.survey.tag_template).empty();
   Result<std::optional<VerifiedFile>> read = std::nullopt;
   if (!is_old) read = read_printed(task, entry);

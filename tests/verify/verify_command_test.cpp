@@ -265,6 +265,31 @@ TEST_CASE("prints of a template that draws plates otherwise are stale, and nothi
   }
 }
 
+TEST_CASE("a logo with a light middle is no tag that could not be read") {
+  const TemporaryFolder folder;
+  REQUIRE(write_file(folder.path() / "logo.svg",
+                     "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 200 100\"><circle "
+                     "cx=\"150\" cy=\"70\" r=\"25\"/><rect x=\"140\" y=\"60\" width=\"20\" "
+                     "height=\"20\" fill=\"white\"/></svg>"));
+  REQUIRE(write_file(
+      folder.path() / "t.yaml",
+      "tag: t\nplate: [0.3, 0.22]\n"
+      "feature_frame: { inner: [0.2201, 0.11], stroke: 0.008, offset: [0.01, 0.038] }\n"
+      "symbol: { quiet_zone: 9, margin: 9 }\nlogo: { file: logo.svg, size_mm: [50, 25] }\n"
+      "qr: { size_mm: 30, content: \"{digits}\" }\npatches: { size_mm: 20 }\n"));
+  std::string text = *read_file(kSurvey);
+  text.replace(text.find("tag-400x300"), 11, "t");
+  const fs::path survey = folder.path() / "survey.yaml";
+  REQUIRE(write_file(survey, text));
+  const std::string print = (folder.path() / "print").string();
+  REQUIRE(run_tagsmith(
+              fmt::format("print '{}' -o '{}' --format both --tags 000L", survey.string(), print))
+              .exit_code == 0);
+  const ProgramOutput output =
+      run_tagsmith(fmt::format("verify '{}' '{}'", survey.string(), print));
+  CHECK_MESSAGE(output.exit_code == 0, output.out);
+}
+
 TEST_CASE("files of an earlier print are stale, listed or not, and with other tables told") {
   const TemporaryFolder folder;
   const fs::path print = folder.path() / "print";
