@@ -200,7 +200,8 @@ void print_in_words(const Survey& survey, const VerifyMerge& merged) {
       files, files == 1 ? "file" : "files", merged.files_with_findings, count(TagStatus::ok),
       count(TagStatus::unknown), count(TagStatus::misprinted), count(TagStatus::unreadable),
       count(TagStatus::duplicate), count(TagStatus::cut_off), rare);
-  if (!merged.stale.empty()) to_stdout("print again: {}\n", fmt::join(merged.stale, " "));
+  if (!merged.stale.empty())
+    to_stdout("print again, or remove: {}\n", fmt::join(merged.stale, " "));
   const std::vector<std::string> missing = missing_tags(survey, merged);
   if (missing.empty()) {
     to_stdout("every tag of the survey was seen\n");

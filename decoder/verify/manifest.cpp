@@ -83,7 +83,8 @@ std::optional<ManifestTag> parse_tag(const json& object) {
 std::string outdated(const Survey& survey, const ManifestTag& printed) {
   const PlacedTag* placed = find_tag(survey, printed.name);
   if (placed == nullptr) {
-    return fmt::format("{} was printed, but survey {} has no such tag", printed.name, survey.name);
+    return fmt::format("{} was printed, but survey {} has no such tag: remove the file",
+                       printed.name, survey.name);
   }
   if (placed->digits != printed.digits) {
     return fmt::format("{} was printed as {}, but survey {} now says {}: print it again",

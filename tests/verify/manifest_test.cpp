@@ -161,7 +161,8 @@ TEST_CASE("a print from an older survey is found") {
         "001L 019000810403 is what was printed, but no longer in the survey");
   const VerifiedFile removed = verified("009L.pdf", "019009000403");
   CHECK(removed.findings ==
-        std::vector<std::string>{"stale: 009L was printed, but survey little has no such tag"});
+        std::vector<std::string>{
+            "stale: 009L was printed, but survey little has no such tag: remove the file"});
 }
 
 }  // namespace tagsmith::detail
