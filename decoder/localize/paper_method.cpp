@@ -80,8 +80,8 @@ Eigen::Matrix3d level_camera(const Eigen::Matrix3d& level_from_camera) {
 // A tag through a camera: what its corners' pixels say of D.
 class Sight {
  public:
-  Sight(Camera camera, const Eigen::Matrix3d& level_from_camera, double edge)
-      : camera_(std::move(camera)),
+  Sight(const Camera& camera, const Eigen::Matrix3d& level_from_camera, double edge)
+      : camera_(camera),
         ideal_from_camera_(level_camera(level_from_camera).transpose() * level_from_camera),
         edge_(edge) {}
 
