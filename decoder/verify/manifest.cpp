@@ -268,7 +268,7 @@ Result<std::shared_ptr<const PrintManifest>> ManifestCache::find(const fs::path&
 
 std::string printed_otherwise(const PrintManifest& manifest, const TagTemplate& tag) {
   const int dots = manifest.printer_dots_per_inch;
-  const std::string other = other_plate(manifest, dots > 0 ? drawn_on_dots(tag, dots) : tag);
+  std::string other = other_plate(manifest, dots > 0 ? drawn_on_dots(tag, dots) : tag);
   const std::string& printed = manifest.template_revision;
   if (!other.empty() || printed.empty() || printed == template_revision(tag)) return other;
   return fmt::format(

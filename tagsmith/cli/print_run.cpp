@@ -132,6 +132,20 @@ Json tags_json(const PrintRecord& record) {
   return tags;
 }
 
+// Of a tag as the manifest has it: its row in manifest.csv, from the name to the files.
+std::vector<std::string> fields_of(const Json& item) {
+  std::vector<std::string> fields{item.at("tag"), item.at("side"), item.at("digits")};
+  for (const char* point : {"position", "coded_position", "rounding"}) {
+    for (const double coordinate : item.at(point).get<std::array<double, 3>>()) {
+      fields.push_back(format_number(coordinate));
+    }
+  }
+  const auto files = item.at("files").get<std::vector<std::string>>();
+  fields.push_back(format_number(item.at("chainage").get<double>()));
+  fields.push_back(fmt::format("{}", fmt::join(files, ";")));
+  return fields;
+}
+
 // What becomes of the tags of an earlier print.
 struct EarlierTags {
   Json kept = Json::array();           // all of whose files are still there
@@ -143,12 +157,14 @@ struct EarlierTags {
 
 void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& folder,
                   const Survey& survey, PrintRecord& record, EarlierTags& tags) {
+  fields_of(tag);  // throws where one lacks, or is of another type
   const auto name = tag.at("tag").get<std::string>();
   const auto files = tag.at("files").get<std::vector<std::string>>();
   const bool is_printed = std::ranges::any_of(
       record.tags, [&](const PrintedTag& printed) { return printed.tag->name == name; });
   std::error_code ignored;
   for (const std::string& file : files) {
+    if (std::filesystem::path(file).filename() != file) return;  // none of this folder
     if (record.sha256.contains(file)) {
       if (!is_printed) tags.gone.push_back(name);
       return;
@@ -162,7 +178,7 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
   const PlacedTag* now = find_tag(survey, std::string_view(name));
   if (is_printed) {
     tags.again.push_back(files.front());
-  } else if (now == nullptr || to_string(now->digits) != tag.at("digits")) {
+  } else if (now == nullptr || to_string(now->digits) != tag.at("digits").get<std::string>()) {
     tags.changed.push_back(files.front());
   }
   if (!tag.contains("revision")) tag["revision"] = earlier.at("revision");
@@ -252,15 +268,9 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
       "plate_height_mm,frame_inner_length_mm,frame_inner_height_mm,module_mm,revision",
       ','));
   for (const Json& item : tags_json(record)) {
-    std::vector<std::string> fields{survey.name, survey.file.string(), item.at("tag"),
-                                    item.at("side"), item.at("digits")};
-    for (const char* point : {"position", "coded_position", "rounding"}) {
-      for (const Json& coordinate : item.at(point)) fields.push_back(format_number(coordinate));
-    }
-    const auto files = item.at("files").get<std::vector<std::string>>();
-    fields.insert(fields.end(),
-                  {format_number(item.at("chainage")), fmt::format("{}", fmt::join(files, ";")),
-                   tag.name, to_string(survey.code.check)});
+    std::vector<std::string> fields{survey.name, survey.file.string()};
+    std::ranges::move(fields_of(item), std::back_inserter(fields));
+    fields.insert(fields.end(), {tag.name, to_string(survey.code.check)});
     for (const double length :
          {page.width, page.height, tag.plate_length, tag.plate_height, tag.frame_inner_length,
           tag.frame_inner_height, module_width(tag)}) {
@@ -473,7 +483,8 @@ std::vector<const PlacedTag*> tags_to_hang(const PrintJob& job, const PrintRecor
   for (const PrintedTag& printed : record.tags) names.insert(printed.tag->name);
   for (const Json& kept : Json::parse(record.kept_tags)) {
     const PlacedTag* tag = find_tag(*job.survey, kept.at("tag").get<std::string>());
-    if (tag != nullptr && kept.at("digits") == to_string(tag->digits)) names.insert(tag->name);
+    if (tag != nullptr && kept.at("digits").get<std::string>() == to_string(tag->digits))
+      names.insert(tag->name);
   }
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : job.survey->tags) {

@@ -317,6 +317,26 @@ TEST_CASE("a print into a folder warns of the plates of earlier prints that are 
   CHECK(list.find("001L") == std::string::npos);
 }
 
+TEST_CASE("a damaged manifest of an earlier print is taken for none") {
+  const TemporaryFolder folder;
+  REQUIRE(print(kCorridor, folder.path(), "--format pdf --tags 000L").exit_code == 0);
+  const fs::path file = folder.path() / "manifest.json";
+  const std::string manifest = read_file(file).value();
+  for (const auto& [from, to] :
+       {std::pair{"\"side\": \"left\"", "\"sides\": 1"}, std::pair{"\"digits\"", "\"digit\""},
+        std::pair{"[\n        1.9,", "[\n        \"x\","},
+        std::pair{"\"000L.pdf\"\n", "\"../000L.pdf\"\n"}}) {
+    CAPTURE(to);
+    std::string damaged = manifest;
+    REQUIRE(damaged.find(from) != std::string::npos);
+    damaged.replace(damaged.find(from), std::string_view(from).size(), to);
+    REQUIRE(write_file(file, damaged));
+    const ProgramOutput output = print(kCorridor, folder.path(), "--format pdf --tags 000R");
+    CHECK_MESSAGE(output.exit_code == 0, output.err);
+    CHECK(manifest_in(folder.path())["tags"].size() == 1);
+  }
+}
+
 TEST_CASE("a print for another printer leaves the files of the earlier one out of the manifest") {
   const TemporaryFolder folder;
   const fs::path profile = folder.path() / "office.yaml";
