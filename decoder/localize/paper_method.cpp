@@ -221,9 +221,11 @@ double outline_distance_sigma(const Camera& camera, double distance, double edge
   return distance * distance / (camera.fy * edge) * std::numbers::sqrt2 * kOutlineCornerSigmaPx;
 }
 
-bool survey_says_above(const Survey& survey, const PlacedTag& tag, const Rig& rig) {
+bool survey_says_above(const Survey& survey, const PlacedTag& tag, const Rig& rig,
+                       const RigCamera& camera, double grade) {
   const double floor = survey.tunnel.centerline.at(tag.chainage).position.z();
-  return tag.p_in_grid.z() >= floor + rig.vehicle_height;
+  const Eigen::Vector3d from_o = level_from_vehicle(grade) * camera.vehicle_from_camera.translation;
+  return tag.p_in_grid.z() >= floor + rig.vehicle_height + from_o.z();
 }
 
 // D by the corners; nothing for a tag at the border of what the camera's lens model covers.
@@ -258,7 +260,7 @@ std::optional<RangedTag> ranged(const SeenTag& seen, const Survey& survey, const
                    &camera,
                    grade,
                    {distance, outline_distance_sigma(camera.camera, distance, edge)},
-                   survey_says_above(survey, seen.tag, rig)};
+                   survey_says_above(survey, seen.tag, rig, camera, grade)};
 }
 
 std::vector<RangedTag> ranged_tags(const Observation& observation,
@@ -373,7 +375,9 @@ ClosedFormInput with_tag_moved(ClosedFormInput input, bool left, const Eigen::Ve
   const double stagger =
       input.tunnel_width * std::tan(input.pair_angle) + ahead * opening.dot(along);
   input.tunnel_width += opening.dot(right_of(input.heading));
-  input.pair_angle = std::atan2(stagger, input.tunnel_width);
+  // Of a pair that is staggered the other way round from there the closed form takes the angle
+  // alone.
+  input.pair_angle = std::atan2(std::abs(stagger), input.tunnel_width);
   (left ? input.p1_in_world : input.p2_in_world) += shift;
   return input;
 }

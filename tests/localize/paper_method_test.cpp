@@ -246,6 +246,30 @@ TEST_CASE("cameras that are tilted, upside down or away from O measure as level 
   }
 }
 
+TEST_CASE(
+    "distances measured from cameras above the tags, or that see the pair crossed, are right") {
+  const Survey survey = survey_named("corridor");
+  for (const auto& [left_x, right_x] : {std::pair{0.1, 0.1}, std::pair{-0.5, 0.5}}) {
+    CAPTURE(left_x);
+    Rig rig = rig_mounted(0, 0, {0, 0.1, 0.3});  // P is 0.16 m above O
+    for (RigCamera& camera : rig.cameras) {
+      camera.vehicle_from_camera.translation.x() = camera.name == "left" ? left_x : right_x;
+    }
+    PairView view = view_of_pair(survey, rig, 3, 0.7, 0.1);
+    for (SeenTag& seen : view.observation.tags) {
+      const Eigen::Vector3d p = seen.tag.world_from_plate.translation;
+      const PlacedTag& left = view.observation.tags.front().tag;
+      const PlacedTag& right = view.observation.tags.back().tag;
+      const Pose vehicle = world_from_vehicle(view.o_in_world, heading_between(left, right));
+      const RigCamera& camera = *find_camera(rig, seen.camera);
+      seen.distance = (p - vehicle * camera.vehicle_from_camera.translation).norm();
+      seen.seen_corners.reset();
+    }
+    const Fix fix = localize_by_paper(view.observation, {survey}, rig);
+    CHECK((position_of(fix) - grid_from_world(survey.grid, view.o_in_world)).norm() < 1e-6);
+  }
+}
+
 TEST_CASE("the covariance contains what calibration and a leaning vehicle do") {
   constexpr unsigned kSeed = 12;
   CAPTURE(kSeed);
