@@ -103,13 +103,18 @@ Eigen::Vector2d middle_of(const Board& board, const BoardTag& tag) {
   return middle;
 }
 
+std::vector<const SeenBoardTag*> tags_of(const BoardView& view, std::size_t board) {
+  std::vector<const SeenBoardTag*> tags;
+  for (const SeenBoardTag& tag : view.tags) {
+    if (tag.board == board) tags.push_back(&tag);
+  }
+  return tags;
+}
+
 // Whether the board's tags lie the other way round than on the board: by the affine map that fits
 // their middles best. No lens turns it over. Fewer than three tags, or tags in a row, do not tell.
 bool is_mirrored(const BoardView& view, std::size_t board, const Board& on) {
-  std::vector<const SeenBoardTag*> seen;
-  for (const SeenBoardTag& tag : view.tags) {
-    if (tag.board == board) seen.push_back(&tag);
-  }
+  const std::vector<const SeenBoardTag*> seen = tags_of(view, board);
   const auto count = static_cast<Eigen::Index>(seen.size());
   Eigen::MatrixX2d places(count, 2), pixels(count, 2);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -127,20 +132,27 @@ bool is_mirrored(const BoardView& view, std::size_t board, const Board& on) {
   return (spread.inverse() * places.transpose() * pixels).determinant() < 0;
 }
 
-// Whether two photos show the boards from one place. A hand, or a board in it, moves by more.
-bool shows_the_same(const BoardView& a, const BoardView& b) {
+// Whether two photos show the boards from one place: each board that either shows, in both. A hand,
+// or a board in it, moves by more.
+bool shows_the_same(const BoardView& a, const BoardView& b, std::size_t boards) {
   constexpr double kSame = 0.3;  // pixels, root mean square
-  double squares = 0;
-  std::size_t common = 0;
-  for (const SeenBoardTag& tag : a.tags) {
-    const auto other =
-        std::ranges::find_if(b.tags, [&](const SeenBoardTag& o) { return is_same_tag(o, tag); });
-    if (other == b.tags.end()) continue;
-    squares += (tag.pixels - other->pixels).squaredNorm() / 8;
-    ++common;
+  bool any = false;
+  for (std::size_t board = 0; board < boards; ++board) {
+    const auto here = tags_of(a, board), there = tags_of(b, board);
+    double squares = 0;
+    std::size_t common = 0;
+    for (const SeenBoardTag* tag : here) {
+      const auto other = std::ranges::find(there, tag->tag, &SeenBoardTag::tag);
+      if (other == there.end()) continue;
+      squares += (tag->pixels - (*other)->pixels).squaredNorm() / 8;
+      ++common;
+    }
+    const std::size_t most = std::max(here.size(), there.size());
+    if (most == 0) continue;
+    any = true;
+    if (2 * common <= most || squares >= kSame * kSame * static_cast<double>(common)) return false;
   }
-  return 2 * common > std::max(a.tags.size(), b.tags.size()) &&
-         squares < kSame * kSame * static_cast<double>(common);
+  return any;
 }
 
 // A tag's inner corners in the photo; nothing where one is out of it, or the tag too small.
@@ -206,7 +218,8 @@ void object_to_views(std::span<const Board> boards, std::vector<BoardView>& view
       }
     }
     for (std::size_t j = 0; j < i && view.objection.empty(); ++j) {
-      if (view.width != views[j].width || !shows_the_same(view, views[j])) continue;
+      if (view.width != views[j].width) continue;
+      if (!shows_the_same(view, views[j], boards.size())) continue;
       view.objection =
           fmt::format("shows the boards from where {} does: no new photo", views[j].file);
     }

@@ -186,12 +186,24 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
 }
 
 // Whether both prints have in common what a manifest says once for all tags.
-bool is_of_one_kind(const Json& earlier, const Json& common) {
+// Pages of a roll are as long as their plates; where nothing is printed, there are none.
+bool is_of_one_kind(const PrintJob& job, const Json& earlier, const Json& common) {
+  const bool any_page = job.units.empty();
   for (const auto& [key, value] : common.items()) {
-    const bool may_differ = key == "survey_file" || key == "revision";
+    const bool of_plate = key == "survey" || key == "template_revision";
+    const bool may_differ = key == "survey_file" || key == "revision" ||
+                            (job.roll && key == "page_mm") || (any_page && !of_plate);
     if (!may_differ && earlier.value(key, Json()) != value) return false;
   }
   return true;
+}
+
+// What the earlier manifest has in common for its tags, for this state of the survey.
+Json common_of(const Json& earlier, Json common) {
+  for (auto& [key, value] : common.items()) {
+    if (key != "survey_file" && key != "revision") value = earlier.value(key, Json());
+  }
+  return common;
 }
 
 // Files of an earlier print that are in no manifest any longer, such as the contours of other
@@ -244,7 +256,7 @@ std::vector<PrintedTag> printed_tags(const PrintJob& job) {
 }
 
 std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) {
-  Json manifest = common_json(job);
+  Json manifest = record.common.empty() ? common_json(job) : Json::parse(record.common);
   for (const char* key : {"tiles", "printer"}) {
     if (manifest.at(key).is_null()) manifest.erase(key);
   }
@@ -290,7 +302,9 @@ void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
   try {
     const Json earlier = Json::parse(*bytes);
     EarlierTags tags;
-    if (is_of_one_kind(earlier, common_json(job))) {
+    const Json common = common_json(job);
+    if (is_of_one_kind(job, earlier, common)) {
+      if (job.units.empty()) record.common = json_text(common_of(earlier, common));
       for (const Json& tag : earlier.at("tags")) {
         take_earlier(tag, earlier, folder, *job.survey, record, tags);
       }

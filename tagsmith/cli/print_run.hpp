@@ -31,6 +31,9 @@ struct PrintRecord {
   std::string kept_tags = "[]";
   std::map<std::string, std::string> kept_sha256{};
   std::vector<std::string> warnings{};  // of files of earlier prints
+  // JSON object of what the kept tags have in common, where nothing else is printed; empty = as
+  // now.
+  std::string common{};
 };
 
 // Takes over what the folder's manifest says of files that this print leaves as they are, so that

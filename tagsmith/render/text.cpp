@@ -52,11 +52,23 @@ bool is_right_to_left(gunichar c) {
          (c >= 0x1E800 && c <= 0x1EFFF);
 }
 
+// Whether the first letter is of such a script: then the line is read from the right.
+bool begins_right_to_left(const std::string& text) {
+  for (const char* at = text.c_str(); *at != '\0'; at = g_utf8_next_char(at)) {
+    const gunichar c = g_utf8_get_char(at);
+    if (g_unichar_isalpha(c) != FALSE) return is_right_to_left(c);
+  }
+  return false;
+}
+
 // Beside words from right to left, what stands between them from its first to its last letter or
 // digit keeps its own order, as a left-to-right isolate (Unicode Standard Annex 9): groups of
-// digits would be set in reversed order, and minus signs behind their numbers.
+// digits would be set in reversed order, and minus signs behind their numbers. So do the parts that
+// a middle dot joins, in the direction of the line.
 std::string with_isolates(const std::string& text) {
+  constexpr gunichar kMiddleDot = 0x00B7;
   const std::string kBegin = "\u2066", kEnd = "\u2069";
+  const std::string mark = begins_right_to_left(text) ? "\u200F" : "\u200E";
   std::string result;
   std::string run;                  // since the last character from right to left
   std::size_t first = 0;            // of the run that is isolated
@@ -80,6 +92,11 @@ std::string with_isolates(const std::string& text) {
       result += bytes;
       continue;
     }
+    if (c == kMiddleDot) {
+      end_run();
+      result += mark + std::string(bytes) + mark;
+      continue;
+    }
     run += bytes;
     if (g_unichar_isalnum(c) == FALSE) continue;
     const bool has_sign = before > 0 && (run[before - 1] == '-' || run[before - 1] == '+');
@@ -88,15 +105,6 @@ std::string with_isolates(const std::string& text) {
   }
   end_run();
   return any ? result : text;
-}
-
-// Whether the first letter is of such a script: then the line is read from the right.
-bool begins_right_to_left(const std::string& text) {
-  for (const char* at = text.c_str(); *at != '\0'; at = g_utf8_next_char(at)) {
-    const gunichar c = g_utf8_get_char(at);
-    if (g_unichar_isalpha(c) != FALSE) return is_right_to_left(c);
-  }
-  return false;
 }
 
 // `plain` is printable text.

@@ -276,6 +276,13 @@ TEST_CASE("a list that only moves tags makes the setting-out list anew, and prin
   CHECK(csv.find("\n005L,1.9000,4.0030,") != std::string::npos);
   CHECK(csv.find("\n004L,") != std::string::npos);
   CHECK(manifest_in(out)["tags"].size() == 2);
+  // On whatever paper the plates were printed.
+  fs::remove_all(out);
+  REQUIRE(print(kCorridor, out, "--format pdf --paper roll:1000 --tags 004L,005L").exit_code == 0);
+  const json before = manifest_in(out);
+  CHECK(print(moved.string(), out, "--only '" + list.string() + "'").exit_code == 0);
+  CHECK(manifest_in(out)["tags"].size() == 2);
+  CHECK(manifest_in(out)["page_mm"] == before["page_mm"]);
 }
 
 TEST_CASE("the setting-out list has all tags of the folder, those of earlier prints too") {

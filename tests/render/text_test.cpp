@@ -98,6 +98,9 @@ TEST_CASE("groups of digits and signs keep their order beside words from right t
   CHECK(text_path(text_of(word + " -409.000")).starts_with(text_path(text_of("-409.000"))));
   const std::string name = text_path(text_of("000R"));
   CHECK(text_path(text_of("000R " + word + " 1150 6")).starts_with(name));
+  // Parts that a middle dot joins stay one after the other.
+  const std::string first = "000R " + word + " 1150";
+  CHECK(text_path(text_of(first + " \u00B7 6.5 " + word)).starts_with(text_path(text_of(first))));
 }
 
 TEST_CASE("no text, nor text no font has, does harm") {
