@@ -383,10 +383,10 @@ ClosedFormInput with_tag_moved(ClosedFormInput input, bool left, const Eigen::Ve
 }
 
 // Where a camera stands, from O, of a vehicle that faces along the drive (world axes).
-Eigen::Vector3d from_o(const RangedTag& tag, double heading) {
+Eigen::Vector3d from_o(const RangedTag& tag, double heading, const Lean& lean = {}) {
   const Pose vehicle = world_from_vehicle(Eigen::Vector3d::Zero(), heading);
   return vehicle.rotation *
-         (level_from_vehicle(tag.grade) * tag.camera->vehicle_from_camera.translation);
+         (level_from_vehicle(tag.grade, lean) * tag.camera->vehicle_from_camera.translation);
 }
 
 // The closed form knows one point. D is measured from a camera that stands `left` and `right` from
@@ -427,18 +427,21 @@ double heading_sigma(const Rig& rig) {
 // What moves both tags, as seen from O, at once.
 std::vector<Disturbance> disturbances_of_vehicle(const ClosedFormInput& input, const TagPair& pair,
                                                  const Rig& rig) {
-  const auto leaning = [&input, &pair](double RangedTag::*change) {
-    return [input, left = pair.left.*change, right = pair.right.*change](double step) {
-      ClosedFormInput changed = input;
-      changed.distance1 += step * left;
-      changed.distance2 += step * right;
+  const Eigen::Vector3d left = from_o(pair.left, input.heading);
+  const Eigen::Vector3d right = from_o(pair.right, input.heading);
+  // A leaning vehicle turns what its cameras see, and moves them aside.
+  const auto leaning = [&](double RangedTag::*change, Lean lean) {
+    return [=](double step) {
+      const Lean by{step * lean.roll, step * lean.pitch};
+      ClosedFormInput changed = seen_from_o(input, from_o(pair.left, input.heading, by) - left,
+                                            from_o(pair.right, input.heading, by) - right);
+      changed.distance1 += step * (pair.left.*change);
+      changed.distance2 += step * (pair.right.*change);
       return changed;
     };
   };
-  std::vector<Disturbance> disturbances{leaning(&RangedTag::by_roll),
-                                        leaning(&RangedTag::by_pitch)};
-  const Eigen::Vector3d left = from_o(pair.left, input.heading);
-  const Eigen::Vector3d right = from_o(pair.right, input.heading);
+  std::vector<Disturbance> disturbances{leaning(&RangedTag::by_roll, {rig.roll_sigma, 0}),
+                                        leaning(&RangedTag::by_pitch, {0, rig.pitch_sigma})};
   disturbances.push_back([input, left, right, sigma = heading_sigma(rig)](double step) {
     const Eigen::AngleAxisd turn(step * sigma, Eigen::Vector3d::UnitZ());
     return seen_from_o(input, turn * left - left, turn * right - right);

@@ -114,14 +114,12 @@ Result<void> plan_pages(PrintJob& job, std::size_t tags) {
 // Printers take sheets with the shorter side ahead, and rolls across their width: pages that are
 // wider leave them turned. A page that is a plate with its margin is printed as it is.
 bool pages_lie(const PrintJob& job) {
-  if (job.tiles && job.style.paper->roll()) {
-    constexpr double kRounding = 1e-9;
-    const double across = job.style.paper->width * job.style.paper->reach.right;
-    return std::abs(job.tiles->page_height - across) < kRounding &&
-           std::abs(job.tiles->page_width - across) > kRounding;
-  }
-  if (job.tiles) return job.tiles->page_width > job.tiles->page_height;
-  return job.nest && !job.nest->roll && job.nest->page_width > job.nest->page_height;
+  constexpr double kRounding = 1e-9;
+  if (!job.tiles && (!job.nest || job.nest->roll)) return false;
+  const double across = job.style.paper->width * job.style.paper->reach.right;
+  const double width = job.tiles ? job.tiles->page_width : job.nest->page_width;
+  const double height = job.tiles ? job.tiles->page_height : job.nest->page_height;
+  return std::abs(height - across) < kRounding && std::abs(width - across) > kRounding;
 }
 
 std::vector<PrintUnit> units_of(const PrintJob& job, const std::vector<const PlacedTag*>& tags) {

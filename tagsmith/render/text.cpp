@@ -75,9 +75,10 @@ std::string with_isolates(const std::string& text) {
   std::optional<std::size_t> last;  // past it
   bool any = false;
   const auto end_run = [&] {
-    if (last)
-      run = run.substr(0, first) + kBegin + run.substr(first, *last - first) + kEnd +
-            run.substr(*last);
+    if (last) {
+      run.insert(*last, kEnd);
+      run.insert(first, kBegin);
+    }
     result += run;
     run.clear();
     last.reset();
@@ -94,7 +95,9 @@ std::string with_isolates(const std::string& text) {
     }
     if (c == kMiddleDot) {
       end_run();
-      result += mark + std::string(bytes) + mark;
+      result += mark;
+      result += bytes;
+      result += mark;
       continue;
     }
     run += bytes;
