@@ -5,7 +5,6 @@
 #include <cairo.h>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <tuple>
 
@@ -70,18 +69,18 @@ std::string with_isolates(const std::string& text) {
   const std::string kBegin = "\u2066", kEnd = "\u2069";
   const std::string mark = begins_right_to_left(text) ? "\u200F" : "\u200E";
   std::string result;
-  std::string run;                  // since the last character from right to left
-  std::size_t first = 0;            // of the run that is isolated
-  std::optional<std::size_t> last;  // past it
+  std::string run;        // since the last character from right to left
+  std::size_t first = 0;  // of the run that is isolated
+  std::size_t last = 0;   // past it; 0 = none is
   bool any = false;
   const auto end_run = [&] {
-    if (last) {
-      run.insert(*last, kEnd);
+    if (last > 0) {
+      run.insert(last, kEnd);
       run.insert(first, kBegin);
     }
     result += run;
     run.clear();
-    last.reset();
+    last = 0;
   };
   for (const char* at = text.c_str(); *at != '\0'; at = g_utf8_next_char(at)) {
     const gunichar c = g_utf8_get_char(at);
@@ -103,7 +102,7 @@ std::string with_isolates(const std::string& text) {
     run += bytes;
     if (g_unichar_isalnum(c) == FALSE) continue;
     const bool has_sign = before > 0 && (run[before - 1] == '-' || run[before - 1] == '+');
-    if (!last) first = has_sign ? before - 1 : before;
+    if (last == 0) first = has_sign ? before - 1 : before;
     last = run.size();
   }
   end_run();
