@@ -591,11 +591,10 @@ Result<std::vector<BoardView>> read_all(const PhotoSource& photos, std::size_t a
 
 // "; 2 of the photos are left out: a.jpg is mirrored"; empty where none has an objection.
 std::string objections_in_words(std::span<const BoardView> views) {
-  const auto first =
-      std::ranges::find_if(views, [](const BoardView& view) { return !view.objection.empty(); });
+  const auto is_out = [](const BoardView& view) { return !view.objection.empty(); };
+  const auto first = std::ranges::find_if(views, is_out);
   if (first == views.end()) return {};
-  const auto count =
-      std::ranges::count_if(views, [](const BoardView& view) { return !view.objection.empty(); });
+  const auto count = std::ranges::count_if(views, is_out);
   return fmt::format("; {} of the photos {} left out: {} {}", count, count == 1 ? "is" : "are",
                      first->file, first->objection);
 }

@@ -141,10 +141,8 @@ class DistanceModel {
   }
   std::optional<double> by_lean(const Lean& lean) const {
     const auto leaning = [&](double sign) {
-      const Eigen::Matrix3d level =
-          level_from_vehicle(grade_, {sign * lean.roll, sign * lean.pitch});
-      return Sight(camera_.camera, level * camera_.vehicle_from_camera.rotation, edge_)
-          .distance(p_, q_);
+      const Lean by{sign * lean.roll, sign * lean.pitch};
+      return Sight(camera_.camera, attitude(by), edge_).distance(p_, q_);
     };
     return half(leaning(1), leaning(-1));
   }
@@ -155,8 +153,8 @@ class DistanceModel {
   }
 
  private:
-  Eigen::Matrix3d attitude() const {
-    return level_from_vehicle(grade_) * camera_.vehicle_from_camera.rotation;
+  Eigen::Matrix3d attitude(const Lean& lean = {}) const {
+    return level_from_vehicle(grade_, lean) * camera_.vehicle_from_camera.rotation;
   }
   static std::optional<double> half(const std::optional<double>& plus,
                                     const std::optional<double>& minus) {
@@ -230,8 +228,7 @@ bool survey_says_above(const Survey& survey, const PlacedTag& tag, const Rig& ri
 
 // D by the corners; nothing for a tag at the border of what the camera's lens model covers.
 std::optional<RangedTag> ranged_by_corners(const SeenTag& seen, const Survey& survey,
-                                           const Rig& rig, const RigCamera& camera) {
-  const double grade = survey.tunnel.centerline.at(seen.tag.chainage).grade;
+                                           const Rig& rig, const RigCamera& camera, double grade) {
   const DistanceModel model(camera, *seen.seen_corners, grade,
                             survey.tag_template.frame_inner_height);
   const auto p = model.ideal_p();
@@ -252,10 +249,10 @@ std::optional<RangedTag> ranged_by_corners(const SeenTag& seen, const Survey& su
 
 std::optional<RangedTag> ranged(const SeenTag& seen, const Survey& survey, const Rig& rig,
                                 const RigCamera& camera) {
-  if (seen.seen_corners) return ranged_by_corners(seen, survey, rig, camera);
+  const double grade = survey.tunnel.centerline.at(seen.tag.chainage).grade;
+  if (seen.seen_corners) return ranged_by_corners(seen, survey, rig, camera, grade);
   const double distance = seen.distance.value_or(0);
   const double edge = survey.tag_template.frame_inner_height;
-  const double grade = survey.tunnel.centerline.at(seen.tag.chainage).grade;
   return RangedTag{&seen,
                    &camera,
                    grade,

@@ -306,11 +306,11 @@ void see_part(const PartReading& part, PictureEvidence& evidence) {
 // one: a shape of a logo.
 bool is_too_small(const PictureEvidence& evidence, const FrameCorners& refused) {
   constexpr double kLeast = 0.5;  // of the feature frame's length
+  if (evidence.metres_per_pixel <= 0 || evidence.readings.tags.empty()) return false;
   const auto& [p, f, r, q] = refused;
   const double longest = std::max({distance(p, f), distance(f, r), distance(r, q), distance(q, p)});
-  return !evidence.readings.tags.empty() &&
-         evidence.metres_per_pixel * longest <
-             kLeast * evidence.survey.tag_template.frame_inner_length;
+  return evidence.metres_per_pixel * longest <
+         kLeast * evidence.survey.tag_template.frame_inner_length;
 }
 
 }  // namespace
@@ -330,7 +330,7 @@ void see_tags(const PictureReading& read, PictureEvidence& evidence) {
                                    reading.module_px);
   }
   for (const Rejection& rejection : evidence.readings.rejected) {
-    if (evidence.metres_per_pixel > 0 && is_too_small(evidence, rejection.corners)) continue;
+    if (is_too_small(evidence, rejection.corners)) continue;
     TagEvidence& seen = evidence.tags.emplace_back();
     seen.sight = Sight::refused;
     seen.refusal = &rejection;

@@ -34,33 +34,14 @@ std::optional<Value> find_value(const json& object, const char* key) {
   }
 }
 
-// A key of the manifest and what it states.
-struct StatedLength {
-  const char* key;
-  std::optional<std::size_t> index;  // of a list
-  const char* name;                  // in printed_lengths
-};
-
-constexpr StatedLength kStatedLengths[] = {
-    {"plate_mm", 0, "plate length"},
-    {"plate_mm", 1, "plate height"},
-    {"feature_frame_inner_mm", 0, "frame's inner length"},
-    {"feature_frame_inner_mm", 1, "frame's inner height"},
-    {"feature_frame_stroke_mm", std::nullopt, "frame's stroke"},
-    {"frame_offset_mm", 0, "frame's offset right"},
-    {"frame_offset_mm", 1, "frame's offset up"},
-    {"module_mm", std::nullopt, "module"},
-    {"bar_height_mm", std::nullopt, "bars' height"},
-};
-
 void read_plate(const json& root, PrintManifest& manifest) {
-  for (const StatedLength& stated : kStatedLengths) {
-    if (!stated.index) {
-      if (const auto length = find_value<double>(root, stated.key)) {
-        manifest.lengths[stated.name] = *length;
+  for (const PrintedLength& length : printed_lengths()) {
+    if (!length.index) {
+      if (const auto stated = find_value<double>(root, length.key)) {
+        manifest.lengths[length.name] = *stated;
       }
-    } else if (const auto lengths = find_value<std::array<double, 2>>(root, stated.key)) {
-      manifest.lengths[stated.name] = (*lengths)[*stated.index];
+    } else if (const auto sizes = find_value<std::array<double, 2>>(root, length.key)) {
+      manifest.lengths[length.name] = (*sizes)[*length.index];
     }
   }
   manifest.white_on_black = find_value<bool>(root, "white_on_black");
@@ -127,9 +108,9 @@ std::string other_plate(const PrintManifest& printed, const TagTemplate& tag) {
                        tag.white_on_black ? "black on white" : "white on black", tag.name,
                        tag.white_on_black ? "white on black" : "black on white");
   }
-  for (const PrintedLength& length : printed_lengths(tag)) {
+  for (const PrintedLength& length : printed_lengths()) {
     const auto stated = printed.lengths.find(length.name);
-    const double now = length.metres * 1e3;
+    const double now = length.of(tag) * 1e3;
     if (stated == printed.lengths.end() || std::abs(stated->second - now) < kSameLength) continue;
     return fmt::format("its {} was printed as {} mm, but {} now has {} mm: print it again",
                        length.name, format_number(stated->second, 3), tag.name,

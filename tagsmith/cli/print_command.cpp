@@ -57,7 +57,8 @@ Error unknown_tag(const Survey& survey, const std::string& option, const std::st
                       meant ? ", did you mean " + *meant + "?" : "")};
 }
 
-// In the survey's order, each once.
+// What --only or --tags ask for, of tags that the survey has; neither = nothing, and all is
+// printed.
 Result<TagsToPrint> wanted_tags(const Survey& survey, const PrintOptions& options) {
   const bool listed = !options.only.empty();
   Result<TagsToPrint> list =
@@ -79,6 +80,7 @@ Result<TagsToPrint> wanted_tags(const Survey& survey, const PrintOptions& option
   return list;
 }
 
+// In the survey's order, each once.
 std::vector<const PlacedTag*> chosen_tags(const Survey& survey, const PrintOptions& options,
                                           const TagsToPrint& list) {
   const bool all = options.only.empty() && options.tags.empty();
@@ -137,42 +139,45 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   return style;
 }
 
-// A label's line that is cut before its end; the last one, which by usual lines has the revision,
-// only where it has digits of the code. Empty where none is.
-std::string cut_line(const PrintJob& job, const PlacedTag& tag) {
+// Whether a label's line is cut before its end. The last one, which by usual lines has the
+// revision, counts only where it has the code's `digits`.
+bool is_cut_line(const TextItem& line, bool is_last, const std::string& digits) {
+  if (is_last && line.text.find(digits) == std::string::npos) return false;
+  return is_cut({.text = line.text, .height = line.height, .max_width = line.max_width});
+}
+
+// What a label does not say that it should; empty when nothing.
+std::string missing_on_label(const PrintJob& job, const PlacedTag& tag) {
   const std::vector<TextItem> label = printed_drawing(job, tag).label;
   const std::string digits = grouped_digits(job.survey->code, tag.digits);
   for (const TextItem& line : label) {
-    const bool counts = &line != &label.back() || line.text.find(digits) != std::string::npos;
-    const SheetText text{.text = line.text, .height = line.height, .max_width = line.max_width};
-    if (counts && is_cut(text)) return line.text;
+    if (!is_cut_line(line, &line == &label.back(), digits)) continue;
+    return fmt::format(
+        "the label of {} has no room for all of `{}`: more label.lines of fewer words, or a wider "
+        "strip beside or below the feature frame",
+        tag.name, line.text);
+  }
+  for (const TextItem& line : label) {
+    if (has_glyphs(line.text)) continue;
+    return fmt::format(
+        "no font on this machine has every character of `{}` on the label of {}: install one, for "
+        "example fonts-noto-cjk",
+        line.text, tag.name);
   }
   return {};
 }
 
-// Warns of labels that do not say all that they should.
-void warn_of_labels(const PrintJob& job) {
+// Of the first label that lacks something.
+std::string missing_on_labels(const PrintJob& job) {
   constexpr std::size_t kMostTags = 200;  // further ones are as long
   std::size_t seen = 0;
   for (const PrintUnit& unit : job.units) {
     for (const PlacedTag* tag : unit.tags) {
-      if (++seen > kMostTags) return;
-      if (const std::string line = cut_line(job, *tag); !line.empty()) {
-        return to_stderr(
-            "tagsmith print: warning: the label of {} has no room for all of `{}`: more "
-            "label.lines "
-            "of fewer words, or a wider strip beside or below the feature frame\n",
-            tag->name, line);
-      }
-      for (const TextItem& line : printed_drawing(job, *tag).label) {
-        if (has_glyphs(line.text)) continue;
-        return to_stderr(
-            "tagsmith print: warning: no font on this machine has every character of `{}` on the "
-            "label of {}: install one, for example fonts-noto-cjk\n",
-            line.text, tag->name);
-      }
+      if (++seen > kMostTags) return {};
+      if (std::string missing = missing_on_label(job, *tag); !missing.empty()) return missing;
     }
   }
+  return {};
 }
 
 // What the files lack, or readers must know, through no fault of the survey; on standard error.
@@ -190,7 +195,7 @@ void warn(const PrintJob& job) {
     say("no font on this machine has every character of the survey's name " + job.survey->name +
         ": install one, for example fonts-noto-cjk");
   }
-  warn_of_labels(job);
+  if (const std::string missing = missing_on_labels(job); !missing.empty()) say(missing);
   if (!job.rounding.empty()) {
     to_stderr("tagsmith print: {}\n", job.rounding);
   }

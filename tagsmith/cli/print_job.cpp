@@ -111,17 +111,6 @@ Result<void> plan_pages(PrintJob& job, std::size_t tags) {
   return {};
 }
 
-// Printers take sheets with the shorter side ahead, and rolls across their width: pages that are
-// wider leave them turned. A page that is a plate with its margin is printed as it is.
-bool pages_lie(const PrintJob& job) {
-  constexpr double kRounding = 1e-9;
-  if (!job.tiles && (!job.nest || job.nest->roll)) return false;
-  const double across = job.style.paper->width * job.style.paper->reach.right;
-  const double width = job.tiles ? job.tiles->page_width : job.nest->page_width;
-  const double height = job.tiles ? job.tiles->page_height : job.nest->page_height;
-  return std::abs(height - across) < kRounding && std::abs(width - across) > kRounding;
-}
-
 std::vector<PrintUnit> units_of(const PrintJob& job, const std::vector<const PlacedTag*>& tags) {
   std::vector<PrintUnit> units;
   if (!job.nest) {
@@ -248,7 +237,6 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   if (auto planned = plan_plate_parts(job, tags); !planned) return fail(planned.error().message);
   const std::size_t count = std::max<std::size_t>(tags.size(), 1);
   if (auto planned = plan_pages(job, count); !planned) return fail(planned.error().message);
-  job.lies = pages_lie(job);
   job.units = units_of(job, tags);
   return job;
 }

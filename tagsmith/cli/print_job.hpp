@@ -72,11 +72,12 @@ struct PrintJob {
   std::optional<TilePlan> tiles;
   std::vector<PrintUnit> units;
 
-  bool lies = false;  // its pages leave the printer turned by a quarter
-
-  // Across and down its pages.
+  // Across and down its pages. Printers take sheets with the shorter side ahead, and rolls across
+  // their width: pages that lie on these leave them turned. A page that is a plate with its margin
+  // is printed as it is.
   PrinterScale printer_scale() const {
     const PrinterScale scale = style.printer ? style.printer->scale : PrinterScale{};
+    const bool lies = (tiles && tiles->lies) || (nest && nest->lies);
     return lies ? turned(scale) : scale;
   }
   const OutputIntent* intent() const { return style.intent ? &*style.intent : nullptr; }
@@ -95,9 +96,10 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
 // The unit's pages as they are printed, and as they look when the ink has grown by what the bars'
 // adjustment takes away: the same but for the edges of bars and frame.
 std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit);
+std::vector<Page> nominal_pages(const PrintJob& job, const PrintUnit& unit);
+
 // The last of the first tags that are printed; of the survey's first tag where none is.
 Page typical_page(const PrintJob& job);
-std::vector<Page> nominal_pages(const PrintJob& job, const PrintUnit& unit);
 
 // One page of a unit in a file.
 struct PageInFile {

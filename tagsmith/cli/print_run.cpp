@@ -26,6 +26,7 @@
 #include "tagsmith/render/setting_out_sheets.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/render/zip_file.hpp"
+#include "tagsmith/survey/compare.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/revision.hpp"
 #include "tagsmith/tag/printer.hpp"
@@ -96,34 +97,41 @@ Json printer_json(const PrintJob& job) {
           {"scale", {to_micrometre(scale.right), to_micrometre(scale.down)}}};
 }
 
+void add_lengths(const TagTemplate& tag, Json& json) {
+  for (const PrintedLength& length : printed_lengths()) {
+    const double millimetres = mm(length.of(tag));
+    if (length.index) {
+      json[length.key].push_back(millimetres);
+    } else {
+      json[length.key] = millimetres;
+    }
+  }
+}
+
 // What all files of a print have in common.
 Json common_json(const PrintJob& job) {
   const TagTemplate& tag = job.printed;
   const Page page = typical_page(job);
-  return {{"survey", job.survey->name},
-          {"survey_file", job.survey->file.string()},
-          {"revision", job.style.revision},
-          {"template", tag.name},
-          {"template_revision", template_revision(job.survey->tag_template)},
-          {"check_digit", to_string(job.survey->code.check)},
-          {"page_mm", {mm(page.width), mm(page.height)}},
-          {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
-          {"feature_frame_inner_mm", {mm(tag.frame_inner_length), mm(tag.frame_inner_height)}},
-          {"feature_frame_stroke_mm", mm(tag.frame_stroke)},
-          {"frame_offset_mm", {mm(tag.frame_offset_right), mm(tag.frame_offset_up)}},
-          {"module_mm", mm(module_width(tag))},
-          {"bar_height_mm", mm(bar_height(tag))},
-          {"white_on_black", tag.white_on_black},
-          {"quiet_zone_modules", to_micrometre(tag.quiet_zone_modules)},
-          {"dots_per_inch", job.dots_per_inch()},
-          {"png_dots_per_inch", job.png_dots_per_inch()},
-          {"tiled", job.style.tiled},
-          {"rounding", job.rounding},
-          {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
-          {"material", tag.material},
-          {"paper", job.style.paper ? job.style.paper->name : ""},
-          {"tiles", job.tiles ? tiles_json(*job.tiles) : Json()},
-          {"printer", job.style.printer ? printer_json(job) : Json()}};
+  Json common{{"survey", job.survey->name},
+              {"survey_file", job.survey->file.string()},
+              {"revision", job.style.revision},
+              {"template", tag.name},
+              {"template_revision", template_revision(job.survey->tag_template)},
+              {"check_digit", to_string(job.survey->code.check)},
+              {"page_mm", {mm(page.width), mm(page.height)}}};
+  add_lengths(tag, common);
+  common.update(Json{{"white_on_black", tag.white_on_black},
+                     {"quiet_zone_modules", to_micrometre(tag.quiet_zone_modules)},
+                     {"dots_per_inch", job.dots_per_inch()},
+                     {"png_dots_per_inch", job.png_dots_per_inch()},
+                     {"tiled", job.style.tiled},
+                     {"rounding", job.rounding},
+                     {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
+                     {"material", tag.material},
+                     {"paper", job.style.paper ? job.style.paper->name : ""},
+                     {"tiles", job.tiles ? tiles_json(*job.tiles) : Json()},
+                     {"printer", job.style.printer ? printer_json(job) : Json()}});
+  return common;
 }
 
 Json tags_json(const PrintRecord& record) {
@@ -180,6 +188,8 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
     tags.again.push_back(files.front());
   } else if (now == nullptr || to_string(now->digits) != tag.at("digits").get<std::string>()) {
     tags.changed.push_back(files.front());
+  } else {
+    record.kept_names.insert(name);
   }
   if (!tag.contains("revision")) tag["revision"] = earlier.at("revision");
   tags.kept.push_back(std::move(tag));
@@ -315,6 +325,7 @@ void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
   } catch (const nlohmann::json::exception&) {
     // It is none of ours, or damaged: verify then names the files that no manifest lists.
     record.kept_sha256.clear();
+    record.kept_names.clear();
   }
 }
 
@@ -494,12 +505,8 @@ Result<std::string> setting_out_pdf(const Survey& survey, std::span<const Settin
 // those whose plates move.
 std::vector<const PlacedTag*> tags_to_hang(const PrintJob& job, const PrintRecord& record) {
   std::set<std::string> names = job.style.moved;
+  names.insert(record.kept_names.begin(), record.kept_names.end());
   for (const PrintedTag& printed : record.tags) names.insert(printed.tag->name);
-  for (const Json& kept : Json::parse(record.kept_tags)) {
-    const PlacedTag* tag = find_tag(*job.survey, kept.at("tag").get<std::string>());
-    if (tag != nullptr && kept.at("digits").get<std::string>() == to_string(tag->digits))
-      names.insert(tag->name);
-  }
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : job.survey->tags) {
     if (names.contains(tag.name)) tags.push_back(&tag);

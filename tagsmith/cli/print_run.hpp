@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct PrintRecord {
   // JSON list of the tags of earlier prints whose files are still in the folder, and these files.
   std::string kept_tags = "[]";
   std::map<std::string, std::string> kept_sha256{};
+  std::set<std::string> kept_names{};   // of those whose plates are as the survey has them now
   std::vector<std::string> warnings{};  // of files of earlier prints
   // JSON object of what the kept tags have in common, where nothing else is printed; empty = as
   // now.

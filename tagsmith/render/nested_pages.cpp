@@ -205,9 +205,11 @@ std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& pape
     best.roll = true;
   } else {
     const auto attempt = [&](double width, double height, bool may_turn) {
-      const PrinterScale reach = width > height ? turned(paper.reach) : paper.reach;
+      const bool lies = width > height;
+      const PrinterScale reach = lies ? turned(paper.reach) : paper.reach;
       NestPlan plan = plan_on(plate, width * reach.right, height * reach.down, bleed,
                               kMostNestedPlates, may_turn);
+      plan.lies = lies;
       if (best.places.empty() || plan.plates() > best.plates()) best = std::move(plan);
     };
     attempt(paper.width, paper.height, false);

@@ -49,6 +49,7 @@ struct NestPlan {
   bool roll = false;               // a page ends below its lowest plates
   double bleed = 0;
   int dots_per_inch = 0;
+  bool lies = false;  // a page lies across the paper
 
   int plates() const { return static_cast<int>(places.size()); }
 };

@@ -287,9 +287,9 @@ Result<TilePlan> plan_tiles(const Rectangle& plate, const PrintPaper& paper, dou
   const TilePlan upright =
       plan_on(plate, paper.width * reach.right,
               page_length(plate.height, paper, down_borders, reach.down), overlap, dots_per_inch);
-  const TilePlan across =
-      plan_on(plate, page_length(plate.width, paper, across_borders, reach.down),
-              paper.width * reach.right, overlap, dots_per_inch);
+  TilePlan across = plan_on(plate, page_length(plate.width, paper, across_borders, reach.down),
+                            paper.width * reach.right, overlap, dots_per_inch);
+  across.lies = true;
   if (upright.tiles() == 0 && across.tiles() == 0) {
     return fail("--paper " + paper.name + ": too small for tiles that overlap by " +
                 format_number(overlap * 1000) + " mm: less overlap or a larger paper");

@@ -23,6 +23,7 @@ struct TilePlan {
   PlatePoint first_in_plate{};  // upper left corner of the first window, plate frame
   double step_right = 0;        // from window to window
   double step_down = 0;
+  bool lies = false;  // its pages lie across the paper
 
   int tiles() const { return columns * rows; }
 };

@@ -90,16 +90,27 @@ std::string to_string(TagChange change) {
   return kNames[static_cast<std::size_t>(change)];
 }
 
-std::vector<PrintedLength> printed_lengths(const TagTemplate& tag) {
-  return {{"plate length", tag.plate_length},
-          {"plate height", tag.plate_height},
-          {"frame's inner length", tag.frame_inner_length},
-          {"frame's inner height", tag.frame_inner_height},
-          {"frame's stroke", tag.frame_stroke},
-          {"frame's offset right", tag.frame_offset_right},
-          {"frame's offset up", tag.frame_offset_up},
-          {"module", module_width(tag)},
-          {"bars' height", bar_height(tag)}};
+std::span<const PrintedLength> printed_lengths() {
+  using Tag = TagTemplate;
+  static constexpr PrintedLength kLengths[] = {
+      {"plate length", "plate_mm", 0, [](const Tag& tag) { return tag.plate_length; }},
+      {"plate height", "plate_mm", 1, [](const Tag& tag) { return tag.plate_height; }},
+      {"frame's inner length", "feature_frame_inner_mm", 0,
+       [](const Tag& tag) { return tag.frame_inner_length; }},
+      {"frame's inner height", "feature_frame_inner_mm", 1,
+       [](const Tag& tag) { return tag.frame_inner_height; }},
+      {"frame's stroke",
+       "feature_frame_stroke_mm",
+       {},
+       [](const Tag& tag) { return tag.frame_stroke; }},
+      {"frame's offset right", "frame_offset_mm", 0,
+       [](const Tag& tag) { return tag.frame_offset_right; }},
+      {"frame's offset up", "frame_offset_mm", 1,
+       [](const Tag& tag) { return tag.frame_offset_up; }},
+      {"module", "module_mm", {}, [](const Tag& tag) { return module_width(tag); }},
+      {"bars' height", "bar_height_mm", {}, [](const Tag& tag) { return bar_height(tag); }},
+  };
+  return kLengths;
 }
 
 std::string describe_template_change(const TagTemplate& before, const TagTemplate& after) {
@@ -107,13 +118,11 @@ std::string describe_template_change(const TagTemplate& before, const TagTemplat
     return after.white_on_black ? "it becomes white on black" : "it becomes black on white";
   }
   constexpr double kSameLength = 1e-6;
-  const std::vector<PrintedLength> old_lengths = printed_lengths(before);
-  const std::vector<PrintedLength> new_lengths = printed_lengths(after);
-  for (std::size_t i = 0; i < old_lengths.size(); ++i) {
-    if (std::abs(old_lengths[i].metres - new_lengths[i].metres) < kSameLength) continue;
-    return fmt::format("the {} becomes {} mm (was {})", old_lengths[i].name,
-                       format_number(new_lengths[i].metres * 1000, 3),
-                       format_number(old_lengths[i].metres * 1000, 3));
+  for (const PrintedLength& length : printed_lengths()) {
+    if (std::abs(length.of(before) - length.of(after)) < kSameLength) continue;
+    return fmt::format("the {} becomes {} mm (was {})", length.name,
+                       format_number(length.of(after) * 1000, 3),
+                       format_number(length.of(before) * 1000, 3));
   }
   return {};
 }

@@ -2,6 +2,9 @@
 // What becomes of the plates when a survey changes.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,9 +48,11 @@ std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& a
 // are drawn alike but for their labels.
 struct PrintedLength {
   const char* name;
-  double metres;
+  const char* key;                   // in a print's manifest.json, millimetres
+  std::optional<std::size_t> index;  // there, of a list
+  double (*of)(const TagTemplate&);  // metres
 };
-std::vector<PrintedLength> printed_lengths(const TagTemplate& tag);
+std::span<const PrintedLength> printed_lengths();
 
 // What differs between two templates in what is printed, in words; empty when nothing does.
 std::string describe_template_change(const TagTemplate& before, const TagTemplate& after);

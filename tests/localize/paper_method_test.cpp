@@ -31,6 +31,12 @@ Survey survey_named(const std::string& name) {
   return *survey;
 }
 
+Survey exactly_surveyed(const std::string& name) {
+  Survey survey = survey_named(name);
+  for (PlacedTag& tag : survey.tags) tag.sigma = 0;
+  return survey;
+}
+
 Rig rig_named(const std::string& name) {
   const auto rig = load_rig("surveys/" + name + "/rig.yaml");
   REQUIRE_MESSAGE(rig.has_value(), (rig ? "" : rig.error().message));
@@ -275,8 +281,7 @@ TEST_CASE("the covariance contains what calibration and a leaning vehicle do") {
   CAPTURE(kSeed);
   std::mt19937 random(kSeed);
   std::normal_distribution<double> normal;
-  Survey survey = survey_named("corridor");
-  for (PlacedTag& tag : survey.tags) tag.sigma = 0;
+  const Survey survey = exactly_surveyed("corridor");
   Rig rig = rig_named("corridor");
   rig.ranges.front().sigma = 1e-4;
   rig.roll_sigma = rig.pitch_sigma = radians(0.3);
@@ -327,8 +332,7 @@ TEST_CASE("the covariance is what noise of the stated size does") {
   CAPTURE(kSeed);
   std::mt19937 random(kSeed);
   std::normal_distribution<double> normal;
-  Survey survey = survey_named("corridor");
-  for (PlacedTag& tag : survey.tags) tag.sigma = 0;
+  const Survey survey = exactly_surveyed("corridor");
   Rig rig = rig_named("corridor");
   rig.roll_sigma = rig.pitch_sigma = 0;
   // Small enough for the closed form to be linear; a centimetre leaves it without solution.

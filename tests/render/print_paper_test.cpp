@@ -344,12 +344,17 @@ TEST_CASE("a damaged manifest of an earlier print is taken for none") {
   }
 }
 
+// The profile of a printer that scales pages so, and prints bars as they are drawn.
+fs::path profile_in(const TemporaryFolder& folder, const std::string& scale) {
+  fs::path profile = folder.path() / "printer.yaml";
+  REQUIRE(write_file(profile, "printer: office\nscale: " + scale +
+                                  "\nbar_growth_mm: [0, 0]\ndot_gain_percent: 0\n"));
+  return profile;
+}
+
 TEST_CASE("a print for another printer leaves the files of the earlier one out of the manifest") {
   const TemporaryFolder folder;
-  const fs::path profile = folder.path() / "office.yaml";
-  REQUIRE(write_file(profile,
-                     "printer: office\nscale: [1.012, 1.005]\nbar_growth_mm: [0, 0]\n"
-                     "dot_gain_percent: 0\n"));
+  const fs::path profile = profile_in(folder, "[1.012, 1.005]");
   const fs::path out = folder.path() / "out";
   REQUIRE(print(kCorridor, out, "--format pdf --tags 000L --profile '" + profile.string() + "'")
               .exit_code == 0);
@@ -373,10 +378,7 @@ double ink_on(const fs::path& pdf) {
 
 TEST_CASE("a printer that shrinks pages loses nothing at their edges") {
   const TemporaryFolder folder;
-  const fs::path profile = folder.path() / "plotter.yaml";
-  REQUIRE(write_file(profile,
-                     "printer: plotter\nscale: [0.97, 0.975]\nbar_growth_mm: [0, 0]\n"
-                     "dot_gain_percent: 0\n"));
+  const fs::path profile = profile_in(folder, "[0.97, 0.975]");
   // Plates as they fill a roll's length, a sheet, tiles and a page of their own.
   for (const char* paper : {"--paper roll:610", "--paper A1", "--paper A4 --tile", ""}) {
     CAPTURE(paper);
