@@ -53,6 +53,8 @@ detail::RigCamera camera_from(const RigCamera& given) {
   if (given.side) camera.side = side_from(*given.side);
   if (given.exposure) check_number("a camera's exposure", *given.exposure, 1e-9, 10);
   camera.exposure = given.exposure;
+  if (given.readout) check_number("a camera's readout", *given.readout, 0, 10);
+  camera.readout = given.readout;
   camera.calibration_sigma =
       given.sigma ? sigma_from(*given.sigma)
                   : detail::usual_calibration(detail::IntrinsicsSource::numbers, given.model.width);
@@ -104,6 +106,7 @@ detail::Rig rig_from(const RigDescription& description) {
   rig.roll_sigma = description.roll_sigma;
   rig.pitch_sigma = description.pitch_sigma;
   if (description.envelope) rig.envelope = envelope_from(*description.envelope);
+  detail::set_shutter_sigmas(rig);
   return rig;
 }
 

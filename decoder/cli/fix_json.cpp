@@ -157,6 +157,11 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
   Json values = summary_values(summaries.front());
   values["assumed"] = assumed;
   if (findings.suspicion) values["rig_suspicion"] = suspicion_json(*findings.suspicion, rig);
+  if (findings.rolling) {
+    values["rolling_shutter"] = {{"text", to_string(*findings.rolling)},
+                                 {"rows", findings.rolling->rows},
+                                 {"located", findings.rolling->located}};
+  }
   if (findings.turned) {
     values["turned_headings"] = {{"text", to_string(*findings.turned)},
                                  {"degrees", degrees(findings.turned->angle)},

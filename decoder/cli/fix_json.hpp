@@ -31,6 +31,7 @@ struct RunFindings {
   std::optional<TurnedHeadings> turned{};
   std::optional<WrongHeight> height{};
   std::optional<WrongRange> range{};
+  std::optional<RollingShutter> rolling{};
   std::string another_drive{};  // why the photos show none of the surveys' tags; empty = they do
 };
 

@@ -382,6 +382,7 @@ Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
 
 void print_doubts(const RunFindings& findings) {
   constexpr const char* kDoubt = "do not rely on these positions";
+  if (findings.rolling) to_stdout("note: {}\n", to_string(*findings.rolling));
   if (findings.turned) to_stdout("{}: {}\n", kDoubt, to_string(*findings.turned));
   if (findings.height) to_stdout("{}: {}\n", kDoubt, to_string(*findings.height));
   if (findings.range) {
@@ -469,7 +470,10 @@ int run_localize(LocalizeOptions options) {
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
     findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
   }
-  Located located = localize_all(*input, options, std::move(rows), findings.checked);
+  Located located = localize_all(*input, options, rows, findings.checked);
+  if (options.method != "paper" && !findings.suspicion) {
+    findings.rolling = rolling_shutter(located.front(), rows, input->surveys, input->rig);
+  }
   findings.turned = turned_headings(located.front());
   findings.height = wrong_height(located.front(), input->surveys, input->rig);
   findings.range = wrong_range(located.front(), input->rig);

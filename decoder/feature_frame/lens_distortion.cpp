@@ -154,6 +154,32 @@ SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners) {
   return bows;
 }
 
+void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::size_t i,
+                        SideLine& side) {
+  constexpr double kMostTaper = 0.5;
+  const auto corner = [&](const Quad& of, std::size_t k) { return of[(i + k) % 4]; };
+  const std::optional<Quad> straight = straightened(lens, corners);
+  if (!straight) return;
+  const Homography plane = homography_to(
+      {corner(*straight, 0), corner(*straight, 1), corner(*straight, 2), corner(*straight, 3)});
+  const PixelPoint middle = 0.5 * (side.begin + side.end);
+  const PixelPoint opposite = 0.5 * (corner(corners, 2) + corner(corners, 3));
+  const double share = side.stroke / std::abs(dot(middle - opposite, side.outward));
+  std::array<double, 2> places{}, thickness{};
+  for (const std::size_t k : {0U, 1U}) {
+    const auto pixel = lens.bent(plane(k == 0 ? 0.2 : 0.8, -share));
+    if (!pixel) return;
+    const PixelPoint off = *pixel - side.begin;
+    places[k] = 2 * dot(off, side.along) / distance(side.begin, side.end) - 1;
+    thickness[k] = dot(off, side.outward) - side.bow.at(places[k]);
+  }
+  const double slope = (thickness[1] - thickness[0]) / (places[1] - places[0]);
+  const double amid = thickness[0] - slope * places[0];
+  if (!(amid > 0)) return;
+  side.stroke = std::max(1.0, amid);
+  side.taper = std::clamp(slope / amid, -kMostTaper, kMostTaper);
+}
+
 // Why: docs/decisions/0006-lens-and-tone.md.
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                         PixelPoint centre, double lambda) {

@@ -48,6 +48,12 @@ class LensDistortion {
 // pixels, to a thousandth of their bow; zero where it has no ray for one.
 SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners);
 
+// Sets the thickness of a bowed side's stroke and its taper as the lens and perspective show a
+// stroke that is as thick a share of the frame's depth as the side says; leaves them as they are
+// where the lens has no ray for them.
+void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::size_t i,
+                        SideLine& side);
+
 // What is known of the lens before a frame is fitted.
 struct LensGuess {
   std::optional<LensDistortion> known;  // otherwise the frame's own sides tell

@@ -47,11 +47,13 @@ bool is_half_as_thick(const GrayView& image, const SideLine& side) {
 // Side i of a settled frame where it is to be looked for, with the stroke and the bow that it
 // should have.
 SideLine side_to_fit(const GrayView& image, const Quad& settled, std::size_t i,
-                     const FrameShape& shape, const SideSagittas& bows) {
+                     const FrameShape& shape, const LensDistortion& lens,
+                     const SideSagittas& bows) {
   SideLine line = side_of(settled, i, shape);
   if (line.stroke >= kEdgeFit.thin_stroke && is_half_as_thick(image, line)) line.stroke /= 2;
   line.taper = taper_of(settled, line, i);
   line.bow = bows[i];
+  if (lens.bends()) set_stroke_through(lens, settled, i, line);
   return line;
 }
 
@@ -70,7 +72,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
   const SideSagittas bows = sagittas_of(lens, settled);
   std::vector<FittedSide> sides;
   for (std::size_t i = 0; i < 4; ++i) {
-    SideLine line = side_to_fit(sight.image, settled, i, sight.shape, bows);
+    SideLine line = side_to_fit(sight.image, settled, i, sight.shape, lens, bows);
     line.bow.c[0] += beyond[i];
     auto side = FittedSide::fit(sight.image, line, thin);
     if (!side) return fail(FrameFault::side_too_short);
@@ -316,7 +318,7 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
   const SideSagittas bows = sagittas_of(lens, settled);
   double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    lines[i] = side_to_fit(image, settled, i, shape, bows);
+    lines[i] = side_to_fit(image, settled, i, shape, lens, bows);
     frame.shown[i] = false;
     if (!shown[i]) continue;
     const auto side = FittedSide::fit(image, lines[i], kEdgeFit.thin_stroke);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -422,27 +423,64 @@ namespace {
 
 using Histories = std::map<std::string, PlateHistory>;
 
-// The survey's tag that a photo shows: by its digits, whatever it was called then. What was not
-// read, or was misprinted, is known by its name alone, which holds in this state of the survey.
-const PlacedTag* tag_of(const Survey& survey, const std::string& revision,
-                        const PlateSighting& seen) {
-  if (const auto digits = parse_digits(seen.digits)) {
-    if (const PlacedTag* tag = find_tag(survey, *digits)) return tag;
+// The survey's plates that photos show, by what they were called in each state of the survey.
+class PlateNames {
+ public:
+  explicit PlateNames(const Survey& survey) : revision_(survey_revision(survey)) {
+    for (const PlacedTag& tag : survey.tags) {
+      of_digits_[tag.digits] = &tag;
+      named_[tag.name] = &tag;
+    }
   }
-  const bool is_named = seen.digits.empty() || seen.finding.is_fault();
-  return is_named && seen.revision == revision ? find_tag(survey, std::string_view(seen.tag))
-                                               : nullptr;
-}
+
+  // The plate that a photo shows by its digits, whatever it was called then; nothing where it was
+  // not read, or was misprinted: such a plate is known by its name alone.
+  const PlacedTag* by_digits(const PlateSighting& seen) {
+    const auto digits = parse_digits(seen.digits);
+    const PlacedTag* tag = digits ? found(of_digits_, *digits) : nullptr;
+    if (tag != nullptr && !seen.finding.is_fault()) meant_[{seen.revision, seen.tag}] = tag;
+    return tag;
+  }
+
+  // The plate that had this name in the state of the survey that the photo was verified against:
+  // the one that other photos then showed under it, else the one that has the name now. Only after
+  // by_digits() of all sightings.
+  const PlacedTag* by_name(const PlateSighting& seen) const {
+    if (!seen.digits.empty() && !seen.finding.is_fault()) return nullptr;
+    const auto meant = meant_.find({seen.revision, seen.tag});
+    if (seen.revision != revision_ && meant != meant_.end()) return meant->second;
+    return found(named_, std::string_view(seen.tag));
+  }
+
+ private:
+  template <class Map>
+  static const PlacedTag* found(const Map& tags, const typename Map::key_type& key) {
+    const auto tag = tags.find(key);
+    return tag == tags.end() ? nullptr : tag->second;
+  }
+
+  std::string revision_;
+  std::map<Digits, const PlacedTag*> of_digits_;
+  std::map<std::string_view, const PlacedTag*> named_;
+  std::map<std::pair<std::string, std::string>, const PlacedTag*> meant_;  // by revision and name
+};
 
 Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day last) {
   Histories histories;
-  const std::string revision = survey_revision(survey);
+  PlateNames names(survey);
+  std::vector<PlateSighting> unread;
   const auto take = [&](const PlateSighting& seen) {
-    const PlacedTag* tag = tag_of(survey, revision, seen);
-    if (tag != nullptr) add(seen, last, histories[tag->name]);
+    if (const PlacedTag* tag = names.by_digits(seen)) {
+      add(seen, last, histories[tag->name]);
+    } else {
+      unread.push_back(seen);
+    }
   };
   if (auto read = ledger.for_each_sighting(survey.name, take); !read) {
     return tl::unexpected(read.error());
+  }
+  for (const PlateSighting& seen : unread) {
+    if (const PlacedTag* tag = names.by_name(seen)) add(seen, last, histories[tag->name]);
   }
   return histories;
 }
@@ -454,19 +492,20 @@ bool is_seen(const Histories& histories, const std::string& tag, Day day) {
   return of_day != history->second.days.end() && of_day->second.in_order;
 }
 
-// The nearest tags on either side of this one on its wall that photos with a date show.
-std::vector<std::string> neighbours_of(const Histories& histories,
-                                       const std::vector<const PlacedTag*>& wall, std::size_t i) {
-  std::vector<std::string> names;
-  const auto take = [&](std::size_t k) {
-    const auto history = histories.find(wall[k]->name);
-    const bool has_days = history != histories.end() && !history->second.days.empty();
-    if (has_days) names.push_back(wall[k]->name);
-    return has_days;
+// Of each tag of a wall the nearest ones on either side that photos with a date show.
+std::vector<std::vector<std::string>> neighbours_on(const Histories& histories,
+                                                    const std::vector<const PlacedTag*>& wall) {
+  std::vector<std::vector<std::string>> neighbours(wall.size());
+  const auto pass = [&](std::size_t i, const PlacedTag*& nearest) {
+    if (nearest != nullptr) neighbours[i].push_back(nearest->name);
+    const auto history = histories.find(wall[i]->name);
+    if (history != histories.end() && !history->second.days.empty()) nearest = wall[i];
   };
-  for (std::size_t k = i; k > 0 && !take(k - 1);) --k;
-  for (std::size_t k = i + 1; k < wall.size() && !take(k);) ++k;
-  return names;
+  const PlacedTag* before = nullptr;
+  for (std::size_t i = 0; i < wall.size(); ++i) pass(i, before);
+  const PlacedTag* after = nullptr;
+  for (std::size_t i = wall.size(); i-- > 0;) pass(i, after);
+  return neighbours;
 }
 
 // A plate that fell down, or that is covered, is in no photo: the days tell on which the plates on
@@ -533,13 +572,14 @@ Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledg
   }
   for (const Side side : {Side::left, Side::right}) {
     const std::vector<const PlacedTag*> wall = wall_of(survey, side);
+    const auto neighbours = neighbours_on(*histories, wall);
     for (std::size_t i = 0; i < wall.size(); ++i) {
       const auto history = histories->find(wall[i]->name);
       report.plates.push_back(
           judge_plate(wall[i]->name, history == histories->end() ? PlateHistory{} : history->second,
                       report.newest.value_or(Day{})));
       PlateState& state = report.plates.back();
-      find_lost(*histories, neighbours_of(*histories, wall, i), state);
+      find_lost(*histories, neighbours[i], state);
       count_trend(state, report);
       report.mended.insert(report.mended.end(), state.mended.begin(), state.mended.end());
     }
@@ -558,10 +598,13 @@ std::string camera_in_words(const LedgerReport& report) {
 
 std::vector<std::string> plates_to(PlateAction action, const Survey& survey,
                                    const LedgerReport& report) {
+  std::set<std::string_view> have_it;
+  for (const PlateState& state : report.plates) {
+    if (state.action == action) have_it.insert(state.tag);
+  }
   std::vector<std::string> names;
   for (const PlacedTag& tag : survey.tags) {
-    const auto state = std::ranges::find(report.plates, tag.name, &PlateState::tag);
-    if (state != report.plates.end() && state->action == action) names.push_back(tag.name);
+    if (have_it.contains(tag.name)) names.push_back(tag.name);
   }
   return names;
 }

@@ -256,14 +256,15 @@ std::string calibration_name(const Rig& rig, std::size_t parameter) {
   constexpr std::array kNames{"place",           "place",     "place",        "direction",
                               "direction",       "direction", "focal length", "principal point",
                               "principal point", "distortion"};
-  static_assert(kNames.size() == kCalibrationCount);
+  static_assert(std::ssize(kNames) == kMotion);
   const CalibrationLayout layout = calibration_layout(rig);
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     const auto& places = layout.places[camera];
     const auto found = std::ranges::find(places, static_cast<int>(parameter));
     if (found == places.end()) continue;
+    const auto place = static_cast<std::size_t>(found - places.begin());
     return fmt::format("the {} of camera {}",
-                       kNames[static_cast<std::size_t>(found - places.begin())],
+                       place < kNames.size() ? kNames[place] : "rolling shutter",
                        rig.cameras[camera].name);
   }
   return "the calibration";
@@ -355,7 +356,14 @@ tl::expected<Believed, std::string> judge(const NamedProblem& named, PoseSearch&
 
 // --- the fix ---
 
-std::string shift_text(const Disagreement& difference) {
+// Why a sighting does not agree: the plate stands elsewhere, or its corners are no plate's there.
+std::string describe(const Disagreement& difference) {
+  if (difference.shift_chi_square < chi_square_limit(3, kPoseShiftGate)) {
+    return fmt::format(
+        "its corners do not fit a plate at its place, by the other tags (chi-square {:.0f}, "
+        "expected {})",
+        difference.chi_square, difference.degrees_of_freedom);
+  }
   return fmt::format("stands {:.3f} m from where the survey has it, by the other tags",
                      difference.shift.norm());
 }
@@ -378,7 +386,8 @@ void list_dropped(Fix& fix, const NamedProblem& named, const PoseSearch& search,
     if (std::ranges::find(fit.selection.sightings, i) != fit.selection.sightings.end()) continue;
     const auto difference = disagreement(problem, fit, i);
     std::string reason = search.reasons[i];
-    if (difference) reason = shift_text(*difference);
+    if (difference) reason = describe(*difference);
+    if (named.seen[i]->is_part) reason = "a part of a tag, perhaps of another one: " + reason;
     if (is_used_twice(named, fit, i)) reason = "was given twice, and counts once";
     if (reason.empty()) reason = "it cannot be seen from there";
     fix.dropped.push_back({named.seen[i]->tag.name, named.seen[i]->camera, reason});

@@ -18,7 +18,7 @@ using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
 CalibrationVector sigmas_of(const CalibrationSigma& sigma) {
   CalibrationVector sigmas;
   sigmas << sigma.position, sigma.position, sigma.position, sigma.angle, sigma.angle, sigma.angle,
-      sigma.focal, sigma.center, sigma.center, sigma.radial;
+      sigma.focal, sigma.center, sigma.center, sigma.radial, motion_sigmas(sigma.shutter);
   return sigmas;
 }
 
@@ -81,6 +81,7 @@ CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& la
   result.camera.cx += errors[7];
   result.camera.cy += errors[8];
   result.camera.distortion[0] += errors[9];
+  result.motion = errors.segment<6>(kMotion);
   return result;
 }
 
@@ -94,10 +95,11 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
     const auto observed = observe_point(seen_by.camera, seen_by.vehicle_from_camera, vehicle,
                                         plate.world_from_plate, corner);
     if (!observed) return std::nullopt;
-    rows.predicted.segment<2>(row) = observed->pixel;
+    rows.predicted.segment<2>(row) = observed->pixel + observed->by_motion * seen_by.motion;
     rows.by_vehicle.middleRows<2>(row) = observed->by_vehicle;
     rows.by_plate.middleRows<2>(row) = observed->by_plate;
-    rows.by_calibration.middleRows<2>(row) << observed->by_mounting, observed->by_intrinsics;
+    rows.by_calibration.middleRows<2>(row) << observed->by_mounting, observed->by_intrinsics,
+        observed->by_motion;
     row += 2;
   }
   return rows;

@@ -59,8 +59,10 @@ struct Sighting {
 };
 
 // A camera's calibration errors: its mounting (shift in vehicle axes, turn), the relative change of
-// its focal lengths, its principal point, the first coefficient of its distortion.
-inline constexpr Eigen::Index kCalibrationCount = 10;
+// its focal lengths, its principal point, the first coefficient of its distortion; and the
+// vehicle's motion while its shutter passes over the image (shift, turn).
+inline constexpr Eigen::Index kCalibrationCount = 16;
+inline constexpr Eigen::Index kMotion = 10;  // where that begins
 inline constexpr Eigen::Index kSightingRows = 8;
 
 // Which of the rig's calibration parameters are uncertain, and their standard deviations.
@@ -74,6 +76,8 @@ CalibrationLayout calibration_layout(const Rig& rig);
 struct CalibratedCamera {
   Camera camera;
   Pose vehicle_from_camera;
+  // Of the vehicle while the shutter passes over the image, as ObservedPoint::by_motion takes it.
+  Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
 // The rig's camera (by index) as these errors of the layout's parameters leave it; empty = none.

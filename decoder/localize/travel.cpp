@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "decoder/localize/joint_method.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
@@ -143,6 +144,37 @@ Fix LiveDoubts::judged(Fix fix, const std::vector<Survey>& surveys, const Rig& r
     return doubted(std::move(fix), to_string(*range));
   }
   return fix;
+}
+
+std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
+                                              std::span<const Observation> rows,
+                                              const std::vector<Survey>& surveys, Rig rig) {
+  constexpr double kMostDriven = 0.05;  // metres, standard deviation: 2.5 m/s and 20 ms
+  constexpr std::size_t kLeastRows = 3, kTried = 40;
+  constexpr double kLeastShare = 0.7;
+  for (RigCamera& camera : rig.cameras) {
+    if (camera.readout) return std::nullopt;
+    camera.calibration_sigma.shutter = kMostDriven;
+  }
+  RollingShutter rolling;
+  for (std::size_t i = 0; i < fixes.size() && rolling.rows < kTried; ++i) {
+    if (fixes[i].position_in_grid || rows[i].tags.size() < 2) continue;
+    ++rolling.rows;
+    if (localize_jointly(rows[i], surveys, rig).position_in_grid) ++rolling.located;
+  }
+  const double least = kLeastShare * static_cast<double>(rolling.rows);
+  if (rolling.located < kLeastRows || static_cast<double>(rolling.located) < least) {
+    return std::nullopt;
+  }
+  return rolling;
+}
+
+std::string to_string(const RollingShutter& rolling) {
+  return fmt::format(
+      "{} of {} rows without a position have one when the vehicle may move while the cameras read "
+      "the rows of an image one after another (rolling shutters): stop for photos, or state "
+      "`readout` of each camera and `speed` of the envelope in the rig",
+      rolling.located, rolling.rows);
 }
 
 std::string to_string(const WrongRange& wrong) {

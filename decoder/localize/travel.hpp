@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "decoder/localize/fix.hpp"
+#include "decoder/localize/observation.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
@@ -58,6 +59,19 @@ struct WrongRange {
 // length is: the range alone shows it.
 std::optional<WrongRange> wrong_range(std::span<const Fix> fixes, const Rig& rig);
 
+// Rows without a position that have one when the vehicle may move while the cameras' shutters pass
+// over their images.
+struct RollingShutter {
+  std::size_t located = 0;  // so, of these
+  std::size_t rows = 0;     // without a position, in which two tags and more were read
+};
+
+// Where that locates three rows and more, and seven of ten; the rig states no readout. `rows`: of
+// the fixes.
+std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
+                                              std::span<const Observation> rows,
+                                              const std::vector<Survey>& surveys, Rig rig);
+
 // The same of a vehicle that drives.
 class LiveDoubts {
  public:
@@ -68,6 +82,9 @@ class LiveDoubts {
  private:
   std::vector<Fix> last_;  // what is asked of them alone
 };
+
+// "16 of 19 rows without a position have one when ... (rolling shutters): ..."
+std::string to_string(const RollingShutter& rolling);
 
 // "range d is 0.071 m longer than the tags say ..."
 std::string to_string(const WrongRange& wrong);

@@ -123,7 +123,7 @@ Rows by_size(const SightedPlate& plate, const SightingRows& seen) {
 // By the focal length (relative), the principal point, and k1.
 Rows by_lens(const SightingRows& seen) {
   const Eigen::Vector4d gross(kShare, kCenter, kCenter, kBent);
-  return seen.by_calibration.rightCols<4>() * gross.asDiagonal();
+  return seen.by_calibration.middleCols<4>(6) * gross.asDiagonal();
 }
 
 Rows by_mounting(const SightingRows& seen) {

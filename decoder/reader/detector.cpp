@@ -87,27 +87,37 @@ void Detector::read_covered_parts() {
 
 void Detector::look_at(const RoughFrame& proposed) {
   const auto& [level, rough] = proposed;
-  FrameResult<CoarseFrame> settled =
-      fit_frame_coarsely(level.image, rough, known_sagittas(level, rough), typical_.frame);
+  const SideSagittas bows = known_sagittas(level, rough);
+  const auto settled = fit_frame_coarsely(level.image, rough, bows, typical_.frame);
+  if (settled && look_at_settled(level, *settled)) return;
   // The corners of an outline's hull are too far out where its sides bow.
-  if (!settled && lens_ && lens_->bends())
-    settled = fit_frame_coarsely(level.image, rough, {}, typical_.frame);
-  if (!settled) return pass_over(to_full(level, rough), settled.error());
-  const Quad quad = to_full(level, settled->corners);
-  if (found_.is_read(quad) || found_.was_proposed(Source::outline, quad)) return;
+  if (lens_ && lens_->bends()) {
+    const auto straight = fit_frame_coarsely(level.image, rough, {}, typical_.frame);
+    if (straight) {
+      look_at_settled(level, *straight);
+      return;
+    }
+  }
+  if (!settled) pass_over(to_full(level, rough), settled.error());
+}
+
+bool Detector::look_at_settled(const PyramidLevel& level, const CoarseFrame& settled) {
+  const Quad quad = to_full(level, settled.corners);
+  if (found_.is_read(quad)) return true;
+  if (found_.was_proposed(Source::outline, quad)) return false;
   show_as_stored(quad);
   const FrameResult<RefinedFrame> frame =
-      refine_frame(image_, quad, lens_for(level, *settled), typical_.frame);
+      refine_frame(image_, quad, lens_for(level, settled), typical_.frame);
   const bool is_new = frame && !found_.was_fitted(*frame);
   TagHypothesis hypothesis;
   if (is_new) {
     hypothesis = judged_quickly(quad, *frame);
-    look_behind_halos(lens_for(level, *settled), hypothesis);
+    look_behind_halos(lens_for(level, settled), hypothesis);
   } else {
     hypothesis.rough = quad;
     if (!frame) hypothesis.outcome = fault_of(quad, frame.error());
   }
-  found_.keep(std::move(hypothesis));
+  return found_.keep(std::move(hypothesis)).reading() != nullptr;
 }
 
 void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesis) {
@@ -206,6 +216,7 @@ void Detector::look_at(const BarRegion& region) {
     if (!rough) continue;
     if (found_.is_read(rough->corners)) return;
     if (found_.was_proposed(Source::completed, rough->corners)) continue;
+    show_as_stored(rough->corners);
     found_.keep({.source = Source::completed, .rough = rough->corners});
     const auto symbol = better_hypothesis(image_, *rough, options_);
     if (!symbol || symbol->decoding.fit.explained < kJudge.like_symbol) continue;
@@ -246,16 +257,15 @@ void Detector::try_doubtful() {
   const std::size_t count = found_.all().size();
   for (const Source source : {Source::outline, Source::careful}) {
     for (std::size_t i = 0; i < count; ++i) {
-      if (found_[i].source == source) judge_again(i, named);
+      if (found_[i].source != source || !std::exchange(found_[i].is_doubtful, false)) continue;
+      if (!found_.is_read(found_[i].frame->corners)) judge_again(i, named);
     }
   }
 }
 
 void Detector::judge_again(std::size_t index, const ReadOptions& named) {
-  if (!std::exchange(found_[index].is_doubtful, false)) return;
   const bool carefully = found_[index].source == Source::careful;
   const RefinedFrame frame = *found_[index].frame;
-  if (found_.is_read(frame.corners)) return;
   show_as_seen_by(found_[index]);
   auto symbol = carefully ? believed_hypothesis(image_, frame, named, true)
                           : quick_hypothesis(image_, frame, named);
@@ -272,14 +282,12 @@ void Detector::try_likely_codes() {
   if (options_.likely_codes.empty()) return;
   ReadOptions named = options_;
   named.code_book = options_.likely_codes;
-  const ReadResult so_far = result();
-  for (const Rejection& rejection : so_far.rejected) {
-    if (found_.has_reading_at(centre_of(rejection.corners))) continue;
-    auto reading = read_again(image_, rejection, named);
-    if (!reading) continue;
-    TagHypothesis again{.source = Source::again, .rough = rejection.corners};
-    again.outcome = *std::move(reading);
-    found_.keep(std::move(again));
+  const std::size_t count = found_.all().size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Rejection* refused = found_[i].refusal();
+    const bool has_symbol = refused != nullptr && refused->symbol && found_[i].frame;
+    if (!has_symbol || found_.has_reading_at(centre_of(refused->corners))) continue;
+    judge_again(i, named);
   }
 }
 

@@ -62,6 +62,9 @@ class Detector {
   // Reads what stands in a frame.
   void look_at(const RoughFrame& rough);
 
+  // Reads what stands in a frame that was settled in a level; whether it was read, now or before.
+  bool look_at_settled(const PyramidLevel& level, const CoarseFrame& settled);
+
   // Reads carefully what did not convince at first in a frame. Where it does not convince either,
   // one of its sides may be something else's edge, and the bars inside tell.
   void look_at(const RefusedFrame& refused);
@@ -98,7 +101,7 @@ class Detector {
   // Reads the symbol inside a frame carefully; the hypothesis that was kept.
   TagHypothesis& judge_carefully(const RefinedFrame& frame, bool completed);
 
-  // Reads a doubtful symbol in the frame of a hypothesis again, when more is known of the codes.
+  // Reads the symbol in the frame of a hypothesis again, when more is known of the codes.
   void judge_again(std::size_t index, const ReadOptions& named);
 
   GrayView image_;

@@ -176,14 +176,6 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   return reading_from(image, *again, bar_ends_of(image, *again), ReadingMethod::partly_covered);
 }
 
-std::optional<Reading> read_again(const GrayView& image, const Rejection& rejection,
-                                  const ReadOptions& options) {
-  if (!rejection.symbol) return std::nullopt;
-  const auto symbol = quick_hypothesis(image, rejection.symbol->frame, options);
-  if (!symbol || objection_to_quick(image, *symbol, options)) return std::nullopt;
-  return reading_where_bars_end(image, *symbol, options, ReadingMethod::frame);
-}
-
 Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection) {
   Rejection rejection;
   rejection.reason = objection.reason;

@@ -59,11 +59,6 @@ std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const Re
 std::optional<Reading> reading_where_bars_end(const GrayView& image, const SymbolHypothesis& symbol,
                                               const ReadOptions& options, ReadingMethod method);
 
-// Reads what was refused once more where it was found, with other options: such as the codes, which
-// were not given before. Nothing where it is refused again.
-std::optional<Reading> read_again(const GrayView& image, const Rejection& rejection,
-                                  const ReadOptions& options);
-
 // What is told of a symbol that is not believed.
 Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection);
 

@@ -157,9 +157,10 @@ std::string placement_in_words(const Completeness& covered) {
   if (count == 0) return {};
   if (covered.placement_checked == 0) {
     return "Placement not checked: whether the tags in the photos hang where the survey has them, "
-           "or were exchanged, is not known; give the rig that took them, as its cameras are "
-           "mounted, or take photos of two tags and more with a camera that names its lens (EXIF, "
-           "as phones do)";
+           "or were exchanged, is not known. That takes photos of two tags or more by a camera "
+           "that "
+           "names its lens (EXIF, as phones do), or photos of both walls by a rig that is given as "
+           "its cameras are mounted";
   }
   return fmt::format(
       "Placement not checked of {} of {} tags in the photos: never seen together with tags that "

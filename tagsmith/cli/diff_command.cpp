@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
@@ -29,7 +33,8 @@ auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
   return std::ranges::count(differences, change, &TagDifference::change);
 }
 
-void print_json(const std::vector<TagDifference>& differences, const Survey& after) {
+void print_json(const std::vector<TagDifference>& differences,
+                const std::vector<ReadElsewhere>& misread, const Survey& after) {
   for (const TagDifference& difference : differences) {
     nlohmann::ordered_json turn = nlohmann::ordered_json::array();
     for (const double angle : difference.turn) turn.push_back(with_decimals(degrees(angle), 3));
@@ -39,11 +44,14 @@ void print_json(const std::vector<TagDifference>& differences, const Survey& aft
                                  {"turn_deg", turn},
                                  {"reason", difference.reason}}));
   }
+  nlohmann::ordered_json elsewhere = nlohmann::ordered_json::array();
+  for (const ReadElsewhere& plate : misread) elsewhere.push_back(plate.tag);
   to_stdout("{}\n", json_text({{"summary",
                                 {{"print", count_of(differences, TagChange::print)},
                                  {"reprint", count_of(differences, TagChange::reprint)},
                                  {"move", count_of(differences, TagChange::move)},
                                  {"remove", count_of(differences, TagChange::remove)},
+                                 {"read_elsewhere", elsewhere},
                                  {"revision", survey_revision(after)}}}}));
 }
 
@@ -60,6 +68,19 @@ void print_words(const std::vector<TagDifference>& differences, const Survey& be
             count_of(differences, TagChange::move), count_of(differences, TagChange::remove));
 }
 
+void warn_of_misread_plates(const std::vector<ReadElsewhere>& plates) {
+  constexpr std::size_t kShown = 3;
+  std::vector<std::string> shown;
+  for (const ReadElsewhere& plate : std::span(plates).first(std::min(kShown, plates.size()))) {
+    shown.push_back(fmt::format("the plate of {} as {}, {} mm off", plate.tag, plate.read_as,
+                                format_number(1000 * plate.distance, 1)));
+  }
+  to_stderr(
+      "diff: warning: until they are moved or taken down, {} plates that hang are read as tags "
+      "elsewhere by the new survey ({}{}): do not localize with it before\n",
+      plates.size(), fmt::join(shown, "; "), plates.size() > kShown ? "; ..." : "");
+}
+
 int diff(const DiffOptions& options) {
   const Result<Survey> before = load_survey(options.before);
   if (!before) return report_failure("diff", before.error());
@@ -72,8 +93,10 @@ int diff(const DiffOptions& options) {
         "diff: the surveys differ in what no plate that hangs needs: labels, holes, standard "
         "deviations, the tunnel's walls or the like\n");
   }
+  const std::vector<ReadElsewhere> misread = read_elsewhere(*before, *after);
+  if (!misread.empty()) warn_of_misread_plates(misread);
   if (options.json) {
-    print_json(differences, *after);
+    print_json(differences, misread, *after);
   } else {
     print_words(differences, *before, *after);
   }

@@ -146,9 +146,29 @@ bool is_cut_line(const TextItem& line, bool is_last, const std::string& digits) 
   return is_cut({.text = line.text, .height = line.height, .max_width = line.max_width});
 }
 
+// The plate's area that a line of the label covers.
+Rectangle area_of(const TextItem& line) {
+  const double length = std::min(text_width(line.text, line.height), line.max_width);
+  const double above = kTextAscent * line.height;
+  const double below = kTextDescent * line.height;
+  if (line.upwards) return {line.x - above, line.y - length, above + below, length};
+  return {line.x, line.y - above, length, above + below};
+}
+
+// Whether a hole of the plate goes through the text or the arrow of its label.
+bool is_drilled_label(const TagDrawing& drawing) {
+  return std::ranges::any_of(drawing.holes, [&](const HoleOutline& hole) {
+    return std::ranges::any_of(
+               drawing.label, [&](const TextItem& line) { return touches(hole, area_of(line)); }) ||
+           std::ranges::any_of(drawing.arrows,
+                               [&](const UpArrow& arrow) { return touches(hole, arrow.box); });
+  });
+}
+
 // What a label does not say that it should; empty when nothing.
 std::string missing_on_label(const PrintJob& job, const PlacedTag& tag) {
-  const std::vector<TextItem> label = printed_drawing(job, tag).label;
+  const TagDrawing drawing = printed_drawing(job, tag);
+  const std::vector<TextItem>& label = drawing.label;
   const std::string digits = grouped_digits(job.survey->code, tag.digits);
   for (const TextItem& line : label) {
     if (!is_cut_line(line, &line == &label.back(), digits)) continue;
@@ -164,7 +184,9 @@ std::string missing_on_label(const PrintJob& job, const PlacedTag& tag) {
         "example fonts-noto-cjk",
         line.text, tag.name);
   }
-  return {};
+  if (!is_drilled_label(drawing)) return {};
+  return fmt::format("a hole of the plate goes through the label of {}: move the holes in {}",
+                     tag.name, job.printed.name);
 }
 
 // Of the first label that lacks something.

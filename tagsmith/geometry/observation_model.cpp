@@ -42,6 +42,14 @@ VehiclePose vehicle_pose_of(const Pose& world_from_vehicle) {
   return vehicle;
 }
 
+Eigen::Matrix<double, 6, 1> motion_sigmas(double way) {
+  constexpr double kSway = 0.1;
+  constexpr double kRadius = 10;
+  Eigen::Matrix<double, 6, 1> sigmas;
+  sigmas << way, kSway * way, kSway * way, Vector3d::Constant(way / kRadius);
+  return sigmas;
+}
+
 VehicleFrame vehicle_frame(const VehiclePose& vehicle) {
   VehicleFrame frame;
   frame.world_from_vehicle = world_from_vehicle(vehicle);
@@ -75,6 +83,9 @@ std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& veh
   observed.by_mounting << -by_vehicle_point, projection->by_point * cross_matrix(in_camera);
   observed.by_intrinsics << observed.pixel - Eigen::Vector2d(camera.cx, camera.cy),
       Eigen::Matrix2d::Identity(), projection->by_k1;
+  // The vehicle is where it is said to be when the middle row is exposed.
+  const double rows_later = (observed.pixel.y() - (camera.height - 1) / 2.0) / camera.height;
+  observed.by_motion = rows_later * observed.by_mounting;
   return observed;
 }
 

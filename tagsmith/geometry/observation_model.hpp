@@ -27,6 +27,11 @@ Pose world_from_vehicle(const VehiclePose& vehicle);
 // The vehicle whose frame this is; pitch within a quarter turn either way.
 VehiclePose vehicle_pose_of(const Pose& world_from_vehicle);
 
+// Standard deviations of by_motion's parameters (metres, radians) of a vehicle that drives `way`
+// metres meanwhile: it may sway and bounce by a tenth of that, and turn about any axis as on a
+// circle of 10 m.
+Eigen::Matrix<double, 6, 1> motion_sigmas(double way);
+
 // The order of a vehicle's six parameters in derivatives and covariances.
 namespace vehicle_parameter {
 enum : int { kX, kY, kZ, kHeading, kPitch, kRoll, kCount };
@@ -51,6 +56,9 @@ struct ObservedPoint {
   Eigen::Matrix<double, 2, 6> by_plate;       // shift in world axes; rotation about P, plate axes
   Eigen::Matrix<double, 2, 6> by_mounting;    // of the camera: shift in vehicle axes; rotation
   Eigen::Matrix<double, 2, 4> by_intrinsics;  // relative change of the focal lengths; cx, cy; k1
+  // The vehicle's motion while a rolling shutter passes over the image, from the first row to the
+  // last: shift in vehicle axes; turn of the camera in its own.
+  Eigen::Matrix<double, 2, 6> by_motion;
 };
 
 // Where a camera sees a point of a plate, be it in the image or beside it. Nothing for a point that

@@ -32,7 +32,8 @@ std::optional<Matrix3d> inverse_in_closed_form(const Matrix3d& matrix) {
 constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
 constexpr Eigen::Index kCalibrationParameters = 9;
 constexpr Eigen::Index kPlateRows = 8;
-constexpr Eigen::Index kPlateParameters = 7;  // its place, its attitude, where its edges are seen
+// Its place, its attitude, the vehicle's motion while it is exposed, where its edges are seen.
+constexpr Eigen::Index kPlateParameters = 13;
 
 // Derivatives of a plate's corners in one image, those by what is uncertain in units of its
 // standard deviations.
@@ -74,6 +75,8 @@ CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame&
         sigma.angle * point->by_mounting.rightCols<3>(),
         sigma.focal * point->by_intrinsics.leftCols<1>(),
         sigma.center * point->by_intrinsics.middleCols<2>(1);
+    rows.by_plate.middleRows<2>(row - 2).middleCols<6>(6) =
+        point->by_motion * motion_sigmas(sigma.shutter).asDiagonal();
   }
   if (all_seen) rows.by_plate.rightCols<1>() = sigma.edge * by_outward_edges(pixels);
   return rows;

@@ -202,9 +202,11 @@ double distance(const PlacedTag& a, const PlacedTag& b) {
 }  // namespace
 
 DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view,
-                            const PlanLegibility& least) {
+                            const PlanLegibility& least,
+                            const std::function<bool(const PlanStrip&)>& wanted) {
   DrawingPart part{{}, {paper, coarsest_plan_scale(survey, least)}};
   for (const PlanStrip& strip : plan_strips(survey, paper, least)) {
+    if (wanted && !wanted(strip)) continue;
     const bool first = part.views.empty();
     part.views.push_back(annotated_plan(survey, strip, first));
     for (const Side side : {Side::left, Side::right}) {

@@ -188,12 +188,16 @@ Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
   block.fields.push_back(
       {"P from its upper left corner", format_number(-plate.x * 1000, 1) + " right, " +
                                            format_number(-plate.y * 1000, 1) + " down (mm)"});
+  const auto elevation = [&](const PlanStrip& strip, Side side, bool) {
+    return setting_out_elevation(survey, strip, side, list);
+  };
+  const auto has_place = [&](const PlanStrip& strip) {
+    return std::ranges::any_of(list, [&](const SettingOut& place) {
+      return place.tag->chainage >= strip.from && place.tag->chainage < strip.to;
+    });
+  };
   const DrawingPart part =
-      drive_by_strips(survey, paper,
-                      [&](const PlanStrip& strip, Side side, bool) {
-                        return setting_out_elevation(survey, strip, side, list);
-                      },
-                      {kSettingOutPitch, kLeastPlate});
+      drive_by_strips(survey, paper, elevation, {kSettingOutPitch, kLeastPlate}, has_place);
   return lay_out_sheets(block, std::span(&part, 1));
 }
 

@@ -20,7 +20,8 @@ std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const Setti
                                      const std::string& revision, Paper paper = Paper::a3);
 
 // Sheets of this paper: the plan and the elevation of each wall by strips, with the chainage, the
-// height and the distance from its neighbour of each place. Fails as lay_out_sheets does.
+// height and the distance from its neighbour of each place; only the strips of the drive that have
+// a place of the list. Fails as lay_out_sheets does.
 Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
                                                std::span<const SettingOut> list,
                                                const std::string& revision,

@@ -19,12 +19,13 @@ namespace tagsmith::detail {
 // A length in words of a drawing: to the millimetre, without zeros at its end.
 std::string metres(double length);
 
-// The plan and the elevation of each wall by strips, at a scale at which `least` can be read.
-// The first plan shows the start of the drive with its coordinates and heading, and each the grid's
-// origin where it is near.
+// The plan and the elevation of each wall by strips, at a scale at which `least` can be read; only
+// the strips that are `wanted`, where that is given. The first plan shows the start of the drive
+// with its coordinates and heading, and each the grid's origin where it is near.
 using WallView = std::function<DrawingView(const PlanStrip& strip, Side side, bool first)>;
 DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view,
-                            const PlanLegibility& least = {});
+                            const PlanLegibility& least = {},
+                            const std::function<bool(const PlanStrip&)>& wanted = {});
 
 // A wall seen from inside the tunnel, unrolled along the chainage, heights above the floor. Facing
 // the left wall the drive runs to the right, facing the right wall to the left. `dimensions` adds

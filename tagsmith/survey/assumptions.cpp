@@ -45,6 +45,18 @@ std::optional<std::string> assumed_sigma(const Survey& survey) {
                      format_number(1000 * survey.sigma));
 }
 
+// Of cameras that drive: what is not said of their shutters is taken as global.
+std::optional<std::string> assumed_shutter(const Rig& rig) {
+  if (!rig.envelope || rig.envelope->speed == 0) return std::nullopt;
+  std::vector<std::string> names;
+  for (const RigCamera& camera : rig.cameras) {
+    if (!camera.readout) names.push_back(camera.name);
+  }
+  if (names.empty()) return std::nullopt;
+  return fmt::format("rig {} states no readout of camera {}: a global shutter assumed", rig.name,
+                     fmt::join(names, ", "));
+}
+
 // Cameras of which the same is assumed share a sentence.
 std::vector<std::string> assumed_calibration(const Rig& rig) {
   std::vector<std::pair<std::string, std::vector<std::string>>> cameras;
@@ -60,6 +72,7 @@ std::vector<std::string> assumed_calibration(const Rig& rig) {
     sentences.push_back(fmt::format("rig {} states no sigma of camera {}: {} assumed", rig.name,
                                     fmt::join(names, ", "), assumed));
   }
+  if (auto shutter = assumed_shutter(rig)) sentences.push_back(std::move(*shutter));
   return sentences;
 }
 

@@ -154,4 +154,17 @@ std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& a
   return differences;
 }
 
+std::vector<ReadElsewhere> read_elsewhere(const Survey& before, const Survey& after) {
+  std::map<Digits, const PlacedTag*> by_digits;
+  for (const PlacedTag& tag : after.tags) by_digits[tag.digits] = &tag;
+  std::vector<ReadElsewhere> plates;
+  for (const PlacedTag& tag : before.tags) {
+    const auto read = by_digits.find(tag.digits);
+    if (read == by_digits.end()) continue;
+    const double distance = distance_between(tag, *read->second);
+    if (distance > kSamePlace) plates.push_back({tag.name, read->second->name, distance});
+  }
+  return plates;
+}
+
 }  // namespace tagsmith::detail

@@ -44,6 +44,16 @@ inline constexpr double kSameDirection = 0.0025;
 // where the plate is printed anew anyway: the code identifies a plate.
 std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& after);
 
+// A plate that hangs by the old survey and that the new one takes for a tag which hangs elsewhere.
+struct ReadElsewhere {
+  std::string tag;      // in the old survey
+  std::string read_as;  // in the new one
+  double distance = 0;  // from where it hangs to where the new survey has it, metres
+};
+
+// Until these plates are moved or taken down, positions by the new survey are wrong.
+std::vector<ReadElsewhere> read_elsewhere(const Survey& before, const Survey& after);
+
 // A length of what is printed on a plate: plates that agree in all of these, and in their colours,
 // are drawn alike but for their labels.
 struct PrintedLength {

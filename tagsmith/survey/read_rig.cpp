@@ -112,7 +112,7 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
                       FindingLog& log) {
   std::vector<std::string> keys = intrinsics_keys();
   keys.insert(keys.end(), {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure",
-                           "blur_px", "focus", "aperture_mm", "sigma"});
+                           "blur_px", "readout", "focus", "aperture_mm", "sigma"});
   const MapReader map(&node, "cameras." + name, keys, log);
   RigCamera camera;
   camera.name = name;
@@ -123,6 +123,7 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   camera.vehicle_from_camera = read_mounting(map, camera.side);
   camera.exposure = map.number_if_there("exposure", above_zero(10, "s"));
   camera.blur_px = map.number_if_there("blur_px", between(0, 100, "pixels"));
+  camera.readout = map.number_if_there("readout", between(0, 10, "s"));
   read_calibration_sigma(map, camera);
   read_focus(map, camera);
   return camera;
@@ -228,6 +229,19 @@ void read_vehicle(const YamlNode* node, Rig& rig, FindingLog& log) {
   if (map.has("envelope")) rig.envelope = read_envelope(map.find("envelope"), map.log());
 }
 
+// While a rolling shutter passes over the image the vehicle drives on.
+void check_readouts(const Rig& rig, const YamlNode& cameras, FindingLog& log) {
+  if (rig.envelope) return;
+  for (const YamlKey& key : cameras.keys) {
+    const RigCamera* camera = find_camera(rig, key.text);
+    if (camera == nullptr || camera->readout.value_or(0) == 0) continue;
+    log.error(
+        key.place, "missing-key",
+        "camera " + camera->name + " has a readout, but how fast the vehicle drives is not said",
+        "vehicle: { height: 1, envelope: { lateral: 0.3, yaw: 5, speed: 2 } }");
+  }
+}
+
 Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
   const MapReader file(&root, "", {"rig", "cameras", "ranges", "vehicle"}, log);
   Rig rig;
@@ -250,6 +264,8 @@ Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
       },
       log);
   read_vehicle(file.need("vehicle", "vehicle: { height: 0.24 }"), rig, log);
+  if (cameras != nullptr) check_readouts(rig, *cameras, log);
+  set_shutter_sigmas(rig);
   if (!log.has_errors()) check_columns(rig, file);
   return rig;
 }

@@ -196,13 +196,6 @@ void read_cut(const MapReader& cut, TagTemplate& tag) {
       kMillimetre * cut.number_or("corner_radius_mm", 0, between(0, 1000, "mm"));
 }
 
-// True when the disk and the rectangle have a point in common.
-bool touches(const HoleOutline& hole, const Rectangle& box) {
-  const double right = std::max({box.x - hole.centre.x, hole.centre.x - box.x - box.width, 0.0});
-  const double down = std::max({box.y - hole.centre.y, hole.centre.y - box.y - box.height, 0.0});
-  return std::hypot(right, down) < hole.radius;
-}
-
 // How far inside the plate's edge a point lies; negative outside. The plate's corners are rounded.
 double inside_edge(const TagDrawing& drawing, const PlatePoint& at) {
   const Rectangle& plate = drawing.plate;

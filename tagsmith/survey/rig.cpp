@@ -22,6 +22,13 @@ Eigen::Matrix3d body_from_camera() {
 
 }  // namespace
 
+void set_shutter_sigmas(Rig& rig) {
+  const double speed = rig.envelope ? rig.envelope->speed : 0;
+  for (RigCamera& camera : rig.cameras) {
+    camera.calibration_sigma.shutter = camera.readout.value_or(0) * speed;
+  }
+}
+
 bool stands_level(const Rig& rig) {
   constexpr double kUnsteady = radians(15);
   return rig.roll_sigma <= kUnsteady && rig.pitch_sigma <= kUnsteady;

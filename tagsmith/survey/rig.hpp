@@ -30,6 +30,8 @@ struct CalibrationSigma {
   // (relative) and each coordinate of the principal point (pixels).
   double focal_drift = 0;
   double center_drift = 0;
+  // Of how far the vehicle drives while a rolling shutter passes over the image, metres.
+  double shutter = 0;
   // Of what no coefficient of its distortion describes: pixels in the image's corners, less towards
   // the centre by the third power of the distance.
   double warp = 0;
@@ -43,6 +45,9 @@ struct RigCamera {
   std::optional<Side> side;        // the wall it looks at, where the rig says so
   std::optional<double> exposure;  // seconds
   std::optional<double> blur_px;   // standard deviation of its point spread, pixels
+  // From the first row's exposure to the last row's, seconds: a rolling shutter. Nothing or 0 = a
+  // global shutter.
+  std::optional<double> readout;
   CalibrationSigma calibration_sigma{};
   // What of it the file does not say and the reader took as usual (assumptions.hpp), in words;
   // empty = nothing.
@@ -81,6 +86,10 @@ struct Rig {
   double pitch_sigma = 0;
   std::optional<VehicleEnvelope> envelope;
 };
+
+// Sets each camera's CalibrationSigma::shutter by its readout and the vehicle's speed; 0 where
+// either is not stated.
+void set_shutter_sigmas(Rig& rig);
 
 // True when a rig's stance tells its pictures' up: it stands level on its wheels, its roll's and
 // pitch's standard deviations are below 15 degrees.

@@ -2,6 +2,7 @@
 #include "tagsmith/tag/drawing.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tagsmith::detail {
@@ -230,6 +231,12 @@ std::array<PlatePoint, 7> outline_of(const UpArrow& arrow) {
            {middle - half_shaft, y + height},
            {middle - half_shaft, shoulder},
            {x, shoulder}}};
+}
+
+bool touches(const HoleOutline& hole, const Rectangle& box) {
+  const double right = std::max({box.x - hole.centre.x, hole.centre.x - box.x - box.width, 0.0});
+  const double down = std::max({box.y - hole.centre.y, hole.centre.y - box.y - box.height, 0.0});
+  return std::hypot(right, down) < hole.radius;
 }
 
 double label_clearance(const TagTemplate& tag) {

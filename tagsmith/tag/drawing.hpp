@@ -64,6 +64,9 @@ struct HoleOutline {
   double radius = 0;
 };
 
+// True when the hole and the rectangle have a point in common.
+bool touches(const HoleOutline& hole, const Rectangle& box);
+
 // White and black of this print, for judging photos of it: two squares side by side.
 struct ReferencePatches {
   Rectangle white;  // as the plate; outlined with a thin line

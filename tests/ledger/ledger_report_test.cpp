@@ -196,9 +196,7 @@ TEST_CASE("plates with the digits that a tag had before it was moved are others"
   CHECK(unseen.front() == photo.tags[0].tag);
 }
 
-TEST_CASE(
-    "a plate is known by its digits, whatever the survey called it, and a name alone by its "
-    "state") {
+TEST_CASE("a plate is known by its digits, whatever the survey called it") {
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
@@ -209,14 +207,34 @@ TEST_CASE(
   seen.rule = "bent";
   seen.message = "is bent";
   seen.digits = find_tag(survey, std::string_view("002L"))->digits;
-  VerifiedTag& nameless = photo.tags[1];
-  nameless.status = TagStatus::unreadable;
-  nameless.rule = "covered";
-  nameless.digits.reset();
   REQUIRE(ledger.enter(survey.name, std::array{photo}));
   const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
   CHECK(plates_to(PlateAction::reprint, survey, report) == std::vector<std::string>{"002L"});
-  CHECK(plates_to(PlateAction::clean, survey, report).empty());
+}
+
+TEST_CASE("a plate that was not read keeps its fault when the survey is edited") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  VerifiedFile photo = photo_of_wall(survey, 2, "003L");
+  photo.revision = "another";
+  photo.tags.resize(1);
+  VerifiedTag& covered = photo.tags[0];
+  covered.status = TagStatus::unreadable;
+  covered.rule = "covered";
+  covered.digits.reset();
+  REQUIRE(ledger.enter(survey.name, std::array{photo}));
+  const auto to_clean = [&] {
+    return plates_to(PlateAction::clean, survey, make_ledger_report(survey, ledger, kLast).value());
+  };
+  CHECK(to_clean() == std::vector<std::string>{covered.tag});
+
+  // Another photo shows that in the other state this name was that of 007L.
+  VerifiedFile other = photo_of_wall(survey, 1, "003L");
+  other.revision = "another";
+  other.tags[0].digits = find_tag(survey, std::string_view("007L"))->digits;
+  REQUIRE(ledger.enter(survey.name, std::array{other}));
+  CHECK(to_clean() == std::vector<std::string>{"007L"});
 }
 
 }  // namespace tagsmith::detail

@@ -13,6 +13,7 @@
 
 #include "decoder/localize/joint_model.hpp"
 #include "decoder/localize/plate_pose.hpp"
+#include "decoder/localize/travel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/localize/site.hpp"
 #include "tests/support/draws.hpp"
@@ -37,6 +38,31 @@ Site site_of_unknown_cameras() {
     camera.calibration_sigma = {0.005, radians(0.5), 0.02, 12.8};
   }
   return site;
+}
+
+// What the cameras see where each row of an image is exposed a little later than the one above it,
+// and the vehicle drives `way` metres from the first row to the last.
+Observation observation_in_passing(const Site& site, const VehiclePose& middle, double way) {
+  Observation observation = observation_at(site, middle);
+  for (SeenTag& seen : observation.tags) {
+    const RigCamera& camera = *find_camera(site.rig, seen.camera);
+    const double length = site.survey.tag_template.frame_inner_length;
+    const double height = site.survey.tag_template.frame_inner_height;
+    const Vector3d in_plate[] = {{0, 0, 0}, {length, 0, 0}, {length, height, 0}, {0, height, 0}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      PixelPoint& corner = seen.seen_corners->corners[i];
+      for (int again = 0; again < 5; ++again) {
+        VehiclePose later = middle;
+        const double driven = way * (corner.y / camera.camera.height - 0.5);
+        later.position += driven * world_from_vehicle(middle).rotation.col(0);
+        const auto point =
+            observe_point(camera.camera, camera.vehicle_from_camera, vehicle_frame(later),
+                          seen.tag.world_from_plate, in_plate[i]);
+        corner = {point->pixel.x(), point->pixel.y()};
+      }
+    }
+  }
+  return observation;
 }
 
 }  // namespace
@@ -97,6 +123,58 @@ TEST_CASE("a calibration that the corners bear out stands, with its doubt in the
   const Eigen::Matrix3d sum = budget.pixels + budget.edges + budget.survey + budget.coding +
                               budget.ranges + budget.calibration + budget.vehicle;
   CHECK((sum - *fix.covariance_in_grid).norm() < 1e-12);
+}
+
+TEST_CASE("a rolling shutter whose readout is stated makes no tag contradict its wall") {
+  constexpr double kWay = 0.013;
+  Site global = site_named("drift");
+  global.rig.cameras.pop_back();
+  Site rolling = global;
+  rolling.rig.cameras[0].readout = kWay / rolling.rig.envelope->speed;
+  set_shutter_sigmas(rolling.rig);
+  CHECK(rolling.rig.cameras[0].calibration_sigma.shutter == doctest::Approx(kWay));
+  int seen = 0, refused_as_global = 0;
+  for (double chainage = 1; chainage < 60; chainage += 1.5) {
+    CAPTURE(chainage);
+    const VehiclePose truth = pose_at(rolling, chainage, 0.2);
+    const Observation observation = observation_in_passing(rolling, truth, kWay);
+    const auto off = [&](const Fix& fix) {
+      const Vector3d error =
+          *fix.position_in_grid - grid_from_world(rolling.survey.grid, truth.position);
+      return std::sqrt(error.dot(fix.covariance_in_grid->inverse() * error));
+    };
+    const Fix fix = localize_jointly(observation, {rolling.survey}, rolling.rig);
+    if (!fix.position_in_grid) continue;
+    ++seen;
+    CHECK(off(fix) < 3.5);
+    const Fix as_global = localize_jointly(observation, {global.survey}, global.rig);
+    if (!as_global.position_in_grid) ++refused_as_global;
+  }
+  CHECK(seen > 5);
+  CHECK(2 * refused_as_global >= seen);
+}
+
+TEST_CASE("rows that only a rolling shutter explains are told as that") {
+  Site site = site_named("corridor");
+  std::vector<Observation> rows;
+  std::vector<Fix> fixes;
+  for (double chainage = 1; chainage < 4; chainage += 0.5) {
+    rows.push_back(observation_in_passing(site, pose_at(site, chainage, 0.1), 0.02));
+    fixes.push_back(localize_jointly(rows.back(), {site.survey}, site.rig));
+    CHECK_FALSE(fixes.back().position_in_grid);
+  }
+  const auto rolling = rolling_shutter(fixes, rows, {site.survey}, site.rig);
+  REQUIRE(rolling);
+  CHECK(rolling->rows >= 5);  // of the rows that show two tags
+  CHECK(rolling->located == rolling->rows);
+
+  Site turned = site;
+  turned.rig.cameras[0].vehicle_from_camera.rotation *= rotation_of(Vector3d(0, radians(1), 0));
+  for (Fix& fix : fixes) fix = {};
+  for (Observation& row : rows) row = observation_at(turned, pose_at(turned, 2, 0.1));
+  CHECK_FALSE(rolling_shutter(fixes, rows, {site.survey}, site.rig));
+  site.rig.cameras[0].readout = 0.01;
+  CHECK_FALSE(rolling_shutter(fixes, rows, {site.survey}, site.rig));
 }
 
 TEST_CASE("a calibration that the corners contradict is estimated") {

@@ -186,12 +186,4 @@ TEST_CASE("a believed symbol is a reading where its bars end as its layout says"
   CHECK(reading->module_px == doctest::Approx(4));
   CHECK(reading->method == ReadingMethod::frame);
   CHECK(reading->sum10_holds == has_check_digit(CheckDigit::sum10, kDrawnDigits));
-  // What was refused is read once its codes are known, from what was kept of it.
-  const Rejection rejection = rejection_of(*found, {RejectionReason::doubtful, 0.5, 0.9});
-  ReadOptions named;
-  named.code_book = {kDrawnDigits};
-  const auto again = read_again(symbol.image.view(), rejection, named);
-  REQUIRE(again);
-  CHECK(again->digits == kDrawnDigits);
-  CHECK(!read_again(symbol.image.view(), Rejection{}, named));
 }

@@ -141,6 +141,36 @@ TEST_CASE("sides far from the middle of a strongly bending lens tell which it is
   CHECK(worst < 4);
 }
 
+TEST_CASE("a known fisheye bends the strokes of long plates nearby too") {
+  const Survey survey = load_survey("surveys/curved/survey.yaml").value();
+  RigCamera seen_by;
+  seen_by.camera = {1280, 960, 485.4, 481.4, 620.9, 460.7, {0.0068, 0.0031}, LensModel::fisheye};
+  ReadOptions known;
+  known.camera = seen_by.camera;
+  ViewOptions options;
+  options.sensor.noise_sigma = 1.5;
+  int read = 0;
+  double worst = 0;
+  for (const double yaw : {112.0, 130.0, 50.0}) {
+    seen_by.vehicle_from_camera = vehicle_from_camera(radians(yaw), radians(9.7), 0, {0, 0.3, 1.2});
+    for (const double y : {0.2, 0.6, 1.0, 1.4, 1.8}) {
+      const Pose vehicle = vehicle_in_tunnel(survey, {2.15, y, 0.35}, 0);
+      const SurveyView seen = render_survey_view(survey, seen_by, vehicle, options, 1);
+      for (const Reading& reading : read_tags(seen.view.image.view(), known).tags) {
+        for (std::size_t i = 0; i < seen.tags.size(); ++i) {
+          const PlateTruth& plate = seen.view.plates[i];
+          if (survey.tags[seen.tags[i]].digits != reading.digits || plate.module_px < 1) continue;
+          ++read;
+          worst = std::max(worst, bench::corner_fit(reading, bench::corners_of(plate)).chi_square);
+        }
+      }
+    }
+  }
+  MESSAGE(read << " tags, chi-square over 8 " << worst << " at most");
+  CHECK(read >= 8);
+  CHECK(worst < 2);
+}
+
 TEST_CASE("what is straightened is bent back to where it was") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> x(0, 1279), y(0, 959);

@@ -36,6 +36,7 @@ const Breakage kRigErrors[] = {
     {"half a pixel", "image_size: [1280, 960]", "image_size: [1280, 960.5]", "wrong-type", 4},
     {"four distortions", "[0.1, 0, 0, 0, 0]", "[0.1, 0, 0, 0]", "wrong-length", 9},
     {"negative exposure", "exposure: 0.01", "exposure: -1", "out-of-range", 9},
+    {"negative readout", "exposure: 0.01", "readout: -1", "out-of-range", 9},
     {"negative blur", "blur_px: 0.5", "blur_px: -1", "out-of-range", 9},
     {"focus without aperture", ", aperture_mm: 2", "", "missing-key", 9},
     {"aperture without focus", "focus: 3, ", "", "missing-key", 9},
@@ -103,6 +104,16 @@ TEST_CASE(
   CHECK(sigma.focal == 0.002);
   CHECK(sigma.center == 0.5);
   CHECK(read_text_as_rig(right_rig()).value->height_sigma == 0.05);
+}
+
+TEST_CASE("a rolling shutter needs the vehicle's speed") {
+  const std::string text =
+      "rig: trial\ncameras:\n  left: { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: "
+      "[4.8, 3.6], alpha: 35, side: left, readout: 0.02, sigma: 0 }\nvehicle: { height: 1.1";
+  CHECK(count_findings(read_text_as_rig(text + " }\n").diagnostics, "missing-key", 3) == 1);
+  const auto rig = read_text_as_rig(text + ", envelope: { lateral: 0.3, yaw: 5, speed: 2 } }\n");
+  REQUIRE(rig.value);
+  CHECK(rig.value->cameras[0].calibration_sigma.shutter == doctest::Approx(0.04));
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {

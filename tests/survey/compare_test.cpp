@@ -43,6 +43,12 @@ TEST_CASE("other digits reprint, other places with the same digits move, other p
   REQUIRE(moved.size() == 1);
   CHECK(moved[0].change == TagChange::move);
   CHECK(moved[0].distance == doctest::Approx(0.03));
+  const auto misread = read_elsewhere(before, with_p(0.03, same));
+  REQUIRE(misread.size() == 1);
+  CHECK(misread[0].read_as == tag.name);
+  CHECK(misread[0].distance == doctest::Approx(0.03));
+  CHECK(read_elsewhere(before, with_p(0.0001, same)).empty());
+  CHECK(read_elsewhere(before, with_p(0.03, "")).empty());
   const std::vector<TagDifference> recoded = compare_surveys(before, with_p(0.03, ""));
   REQUIRE(recoded.size() == 1);
   CHECK(recoded[0].change == TagChange::reprint);

@@ -60,6 +60,7 @@ struct RigCamera {
   std::optional<Side> side{};               // the wall it looks at
   std::optional<double> exposure{};         // seconds
   std::optional<CalibrationSigma> sigma{};  // absent = usual values of a careful hand calibration
+  std::optional<double> readout{};  // of a rolling shutter, from the first row to the last, seconds
 };
 
 // A sensor of the distance from O's height to a wall, across the drive.
@@ -71,7 +72,7 @@ struct RigRange {
   double sigma = 0;  // metres
 };
 
-// How far the vehicle strays from the center line, for plans.
+// How far the vehicle strays from the center line, for plans; its speed also for rolling shutters.
 struct Envelope {
   double lateral = 0;  // metres to either side
   double yaw = 0;      // to either side
