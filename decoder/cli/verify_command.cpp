@@ -92,10 +92,14 @@ std::vector<std::string> words_of(const VerifiedTag& tag) {
   return lines;
 }
 
-// NAME-HASH.jpg (of lossless pictures .png) in the folder, HASH being of the whole path: photos of
-// several folders often have one name. Each tag is outlined in the colour of its status, with its
-// name, status, grade and what is wrong. Print files (PDF, SVG) have no copy. Fails when the
-// picture cannot be decoded.
+// NAME-HASH, HASH being of the whole path: photos of several folders often have one name.
+std::string name_of_copy(const std::filesystem::path& file) {
+  return fmt::format("{}-{}", file.stem().string(), sha256(file.string()).substr(0, 8));
+}
+
+// NAME-HASH.jpg (of lossless pictures .png) in the folder. Each tag is outlined in the colour of
+// its status, with its name, status, grade and what is wrong. Print files (PDF, SVG) have no copy.
+// Fails when the picture cannot be decoded.
 Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& folder,
                                                 const InputFile& file,
                                                 const VerifiedFile& verified) {
@@ -111,10 +115,7 @@ Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& fol
   const Result<AnnotatedPicture> copy =
       annotate_picture(file.path.string(), file.bytes, marks, caption);
   if (!copy) return fail(copy.error().message);
-  const std::string hash = sha256(file.path.string()).substr(0, 8);
-  return SheetFile{
-      folder / fmt::format("{}-{}{}", file.path.stem().string(), hash, copy->extension),
-      copy->bytes};
+  return SheetFile{folder / (name_of_copy(file.path) + copy->extension), copy->bytes};
 }
 
 // ---- The command.
@@ -220,17 +221,15 @@ Result<void> save_late(const VerifyCommandOptions& options, const std::string& r
   return write_file(file, bytes);
 }
 
-// Keeps a picture for the report and, with --crops, writes it as NAME-HASH-`which`.png, HASH being
-// of the whole path: photos of several folders often have one name. Then it is let go.
+// Keeps a picture for the report and, with --crops, writes it as NAME-HASH-`which`.png. Then its
+// memory is freed.
 Result<void> save_picture(const VerifyCommandOptions& options, const fs::path& of,
                           const std::string& which, FaultPicture& picture) {
   const std::optional<GrayImage> image = std::exchange(picture.image, std::nullopt);
   if (!image) return {};
   if (options.report.shows_pictures()) picture.jpeg = report_picture(image->view());
   if (options.crops.empty()) return {};
-  const std::string hash = sha256(of.string()).substr(0, 8);
-  const fs::path file =
-      fs::path(options.crops) / fmt::format("{}-{}-{}.png", of.stem().string(), hash, which);
+  const fs::path file = fs::path(options.crops) / fmt::format("{}-{}.png", name_of_copy(of), which);
   const Result<std::string> bytes = encode_gray_image(file, image->view());
   if (!bytes) return fail(bytes.error().message);
   if (auto written = save_late(options, "--crops", file, *bytes); !written) return written;
@@ -280,21 +279,21 @@ std::pair<std::string, std::string> key_of(const VerifiedFile& file) {
   return {file.sha256, file.conditions};
 }
 
-// Under which conditions an earlier run verified the content, that its result stands for the file:
-// the same ones, or, of a photo, without any rig, since where tags hang is judged by the rig all
-// the same. What another rig's photo shows is verified anew.
+// The conditions of an earlier run whose result can be used for this file: the same ones, or, of a
+// photo, without any rig, since where tags hang is judged by the rig all the same. What another
+// rig's photo shows is verified anew.
 Result<std::optional<std::string>> conditions_before(const VerifyRequest& request,
                                                      const VerifiedBefore& before,
                                                      const fs::path& file,
-                                                     const std::string& sha256) {
+                                                     const std::string& sha256,
+                                                     const std::string& conditions) {
+  if (before.contains({sha256, conditions})) return conditions;
+  if (request.rig == nullptr) return std::nullopt;
   VerifyRequest without_rig = request;
   without_rig.rig = nullptr;
-  for (const VerifyRequest* asked : {&request, &std::as_const(without_rig)}) {
-    Result<std::string> conditions = conditions_of(*asked, file);
-    if (!conditions) return tl::unexpected(conditions.error());
-    if (before.contains({sha256, *conditions})) return std::move(*conditions);
-  }
-  return std::nullopt;
+  Result<std::string> others = conditions_of(without_rig, file);
+  if (!others) return tl::unexpected(others.error());
+  return before.contains({sha256, *others}) ? std::optional(std::move(*others)) : std::nullopt;
 }
 
 VerifiedOne verify_one(const VerifyCommandOptions& options, const VerifyRequest& request,
@@ -303,7 +302,7 @@ VerifiedOne verify_one(const VerifyCommandOptions& options, const VerifyRequest&
   if (!input) return broken(file, input.error());
   const Result<std::string> conditions = conditions_of(request, file);
   if (!conditions) return broken(file, conditions.error());
-  const auto known = conditions_before(request, before, file, input->sha256);
+  const auto known = conditions_before(request, before, file, input->sha256, *conditions);
   if (!known) return broken(file, known.error());
   if (*known) {
     VerifiedOne skipped{{file, input->sha256}, std::nullopt, true};

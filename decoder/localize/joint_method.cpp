@@ -257,7 +257,7 @@ std::string calibration_name(const Rig& rig, std::size_t parameter) {
                               "direction",       "direction", "focal length", "principal point",
                               "principal point", "distortion"};
   static_assert(std::ssize(kNames) == kMotion);
-  const CalibrationLayout layout = calibration_layout(rig);
+  const CalibrationLayout layout = calibration_layout_of_moment(rig);
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     const auto& places = layout.places[camera];
     const auto found = std::ranges::find(places, static_cast<int>(parameter));

@@ -96,7 +96,9 @@ class Linearisation {
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
 
   Linearisation(const JointProblem& problem, const Selection& selection, JointState start)
-      : problem_(problem), layout_(calibration_layout(*problem.rig)), selection_(selection) {
+      : problem_(problem),
+        layout_(calibration_layout_of_moment(*problem.rig)),
+        selection_(selection) {
     if (start.calibration.size() == 0) {
       start.calibration = VectorXd::Zero(static_cast<Index>(layout_.sigmas.size()));
     }
@@ -277,7 +279,7 @@ std::optional<JointFit> fit_jointly(const JointProblem& problem, const Selection
 
 std::optional<Disagreement> disagreement(const JointProblem& problem, const JointFit& fit,
                                          std::size_t index) {
-  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  const CalibrationLayout layout = calibration_layout_of_moment(*problem.rig);
   const Sighting& sighting = problem.sightings[index];
   const SightedPlate& plate = problem.plates[sighting.plate];
   const auto rows = rows_of(problem, layout, fit.state, vehicle_frame(fit.state.vehicle), sighting);
@@ -313,7 +315,7 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
   const WhitenedRows::Plate& group = fit.rows.plates[index];
   const auto [residual, jacobian, left] = plate_rows(fit, index);
   const Index size = residual.size();
-  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  const CalibrationLayout layout = calibration_layout_of_moment(*problem.rig);
   const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
   MatrixXd by_shift = MatrixXd::Zero(size, 3);
   Index row = 0;
@@ -370,7 +372,7 @@ RangeDifference range_difference(const JointProblem& problem, const JointFit& fi
 std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& problem,
                                                             const JointState& state,
                                                             std::size_t sighting) {
-  const auto rows = rows_of(problem, calibration_layout(*problem.rig), state,
+  const auto rows = rows_of(problem, calibration_layout_of_moment(*problem.rig), state,
                             vehicle_frame(state.vehicle), problem.sightings[sighting]);
   if (!rows) return std::nullopt;
   return rows->predicted;
@@ -379,7 +381,7 @@ std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& 
 VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
   const WhitenedRows& rows = fit.rows;
   const MatrixXd gain = fit.covariance.topRows(kVehicleCount) * rows.jacobian.transpose();
-  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  const CalibrationLayout layout = calibration_layout_of_moment(*problem.rig);
   const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
   VehicleBudget budget;
   for (const WhitenedRows::Plate& group : rows.plates) {

@@ -49,7 +49,7 @@ Eigen::Matrix<double, 6, 1> pose_difference(const VehiclePose& from, const Vehic
   return difference;
 }
 
-CalibrationLayout calibration_layout(const Rig& rig) {
+CalibrationLayout calibration_layout_of_moment(const Rig& rig) {
   CalibrationLayout layout;
   for (const RigCamera& camera : rig.cameras) {
     const CalibrationVector sigmas = sigmas_of(camera.calibration_sigma);
@@ -63,6 +63,12 @@ CalibrationLayout calibration_layout(const Rig& rig) {
     layout.places.push_back(places);
   }
   return layout;
+}
+
+CalibrationLayout calibration_layout(const Rig& rig) {
+  Rig driven = rig;
+  for (RigCamera& camera : driven.cameras) camera.calibration_sigma.shutter = 0;
+  return calibration_layout_of_moment(driven);
 }
 
 CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,

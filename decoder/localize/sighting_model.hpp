@@ -71,7 +71,11 @@ struct CalibrationLayout {
   std::vector<double> sigmas;
 };
 
+// What is the same in all pictures of a drive: all but the vehicle's motion.
 CalibrationLayout calibration_layout(const Rig& rig);
+
+// Of the pictures of one moment.
+CalibrationLayout calibration_layout_of_moment(const Rig& rig);
 
 struct CalibratedCamera {
   Camera camera;

@@ -44,7 +44,7 @@ struct SeenRows {
 };
 
 std::vector<SeenRows> seen_rows(const JointProblem& problem, const JointFit& fit) {
-  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  const CalibrationLayout layout = calibration_layout_of_moment(*problem.rig);
   const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
   std::vector<SeenRows> seen;
   for (const WhitenedRows::Plate& group : fit.rows.plates) {

@@ -23,7 +23,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr Index kPoseCount = 6;      // parameters of a vehicle's pose
-constexpr Index kDrifts = 3;         // of a picture: focal length, principal point
+constexpr Index kLensDrifts = 3;     // of a picture: focal length, principal point
+constexpr Index kDrifts = 9;         // and the vehicle's motion while its rows are read
 constexpr double kFreeSigma = 10;    // metres and radians, of a plate that hangs anywhere
 constexpr double kFreeSize = 0.3;    // relative, of a frame of any size
 constexpr double kExactSize = 1e-6;  // so small that it is none, and large enough to invert
@@ -108,10 +109,11 @@ class Network {
       if (has_any_size(freed[i])) variance[6] = kFreeSize * kFreeSize;
       variances_.push_back(variance);
     }
+    const auto rolls = [](const RigCamera& camera) { return camera.calibration_sigma.shutter > 0; };
+    const auto drifts = [](const Sighting& sighting) { return !sighting.by_drift.isZero(); };
+    drifts_ = std::ranges::any_of(problem.rig->cameras, rolls);
     for (const Station& station : problem.stations) {
-      for (const Sighting& sighting : station.sightings) {
-        drifts_ = drifts_ || !sighting.by_drift.isZero();
-      }
+      drifts_ = drifts_ || std::ranges::any_of(station.sightings, drifts);
     }
   }
 
@@ -294,7 +296,11 @@ class Network {
       own.col(residual) = rows->predicted - sighting.pixels;
       if (drifts_) {
         const Index drift = residual + 1 + kDrifts * static_cast<Index>(sighting.camera);
-        own.middleCols<kDrifts>(drift) = sighting.by_drift;
+        const RigCamera& camera = problem_.rig->cameras[sighting.camera];
+        own.middleCols<kLensDrifts>(drift) = sighting.by_drift;
+        own.middleCols<kDrifts - kLensDrifts>(drift + kLensDrifts) =
+            rows->by_calibration.rightCols<6>() *
+            motion_sigmas(camera.calibration_sigma.shutter).asDiagonal();
       }
       if (!whiten(own, sighting.covariance_with_edges())) return std::nullopt;
     }

@@ -282,11 +282,15 @@ void Detector::try_likely_codes() {
   if (options_.likely_codes.empty()) return;
   ReadOptions named = options_;
   named.code_book = options_.likely_codes;
+  std::vector<Quad> tried;
   const std::size_t count = found_.all().size();
   for (std::size_t i = 0; i < count; ++i) {
     const Rejection* refused = found_[i].refusal();
-    const bool has_symbol = refused != nullptr && refused->symbol && found_[i].frame;
-    if (!has_symbol || found_.has_reading_at(centre_of(refused->corners))) continue;
+    if (refused == nullptr || !refused->symbol || !found_[i].frame) continue;
+    const PixelPoint centre = centre_of(refused->corners);
+    const auto holds = [&](const Quad& quad) { return contains(quad, centre); };
+    if (found_.has_reading_at(centre) || std::ranges::any_of(tried, holds)) continue;
+    tried.push_back(refused->corners);
     judge_again(i, named);
   }
 }

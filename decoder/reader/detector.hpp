@@ -46,7 +46,7 @@ class Detector {
   // is a code book.
   void read_covered_parts();
 
-  // Reads what was refused as any code again as one of the likely ones.
+  // Reads what was refused as any code again as one of the likely ones, once in each place.
   void try_likely_codes();
 
   // What came of the proposals so far.

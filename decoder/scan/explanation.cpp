@@ -159,7 +159,8 @@ std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& st
           digits_of(best_of(system.character_costs(&reference), options).characters);
       return std::exchange(decoding.digits, digits) == digits;
     };
-    if (round == kDecode.rounds || is_settled()) {
+    // What looks best as an even grey is no symbol, and other digits make it none.
+    if (decoding.fit.is_grey || round == kDecode.rounds || is_settled()) {
       return Settled{decoding, std::move(light), std::move(system)};
     }
   }

@@ -146,6 +146,7 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
   nominal_image.blur = start.blur;
   const Parameters nominal = pack(nominal_image);
   const FitProblem problem(profile, digits, start.pixel);
+  const double most_log_blur = std::log(4.0);
   Parameters p = pack(start);
   const NormalEquations found = minimise_damped(
       p, {},
@@ -154,11 +155,12 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
         add_priors(at - nominal, normal);
         return normal;
       },
-      [](Parameters& at) {
-        at[kLogBlur] = std::clamp(at[kLogBlur], std::log(0.05), std::log(4.0));
+      [&](Parameters& at) {
+        at[kLogBlur] = std::clamp(at[kLogBlur], std::log(0.05), most_log_blur);
       });
   return {unpack(p, start.pixel), found.of_profile,
-          1 - found.of_profile / std::max(total_variation(profile), 1e-12)};
+          1 - found.of_profile / std::max(total_variation(profile), 1e-12),
+          p[kLogBlur] >= most_log_blur};
 }
 
 Eigen::RowVector3d SeenPlaces::by_displacement(double module) {

@@ -19,6 +19,7 @@ struct SymbolFit {
   ImagingModel image;
   double cost = 0;       // sum of squared residuals over variances
   double explained = 0;  // share of the profile's variation that is explained, at most 1
+  bool is_grey = false;  // the blur is 4 modules, the most that is tried: no bar shows
 };
 
 // Adjusts all of `start` to the profile by Gauss-Newton for the given digits. The parameters are

@@ -455,19 +455,4 @@ View render_view(const Camera& camera, std::span<const ScenePlate> plates,
   return view;
 }
 
-Pose camera_from_turned_plate(const Camera& camera, const TagDrawing& drawing,
-                              const Vector2d& pixel, double distance, double yaw, double pitch,
-                              double roll) {
-  using Eigen::AngleAxisd;
-  Pose pose;
-  pose.rotation = (AngleAxisd(roll, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitX()) *
-                   AngleAxisd(-yaw, Vector3d::UnitY()))
-                      .toRotationMatrix();
-  const Rectangle& inner = drawing.frame_inner;
-  const Vector3d middle(inner.x + inner.width / 2, inner.y + inner.height / 2, 0);
-  pose.translation =
-      distance * ray_through(camera, pixel).value().normalized() - pose.rotation * middle;
-  return pose;
-}
-
 }  // namespace tagsmith::detail

@@ -45,12 +45,4 @@ View render_view(const Camera& camera, std::span<const ScenePlate> plates,
 LightImage render_light(const Camera& camera, std::span<const ScenePlate> plates,
                         const ViewOptions& options = {}, const Backdrop* backdrop = nullptr);
 
-// camera_from_plate of a plate seen squarely, then turned: the middle of the frame at `distance` on
-// the ray through `pixel`; turned about the plate's vertical axis by `yaw` (positive: its right
-// side goes away), about its horizontal axis by `pitch` (positive: its top goes away), and last in
-// the image by `roll` (clockwise). Radians. For tests of readers at any pose.
-Pose camera_from_turned_plate(const Camera& camera, const TagDrawing& drawing,
-                              const Eigen::Vector2d& pixel, double distance, double yaw,
-                              double pitch, double roll);
-
 }  // namespace tagsmith::detail

@@ -89,8 +89,6 @@ void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verif
 
 // ---- The file.
 
-// ---- The file.
-
 Result<InputFile> read_input_file(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMaxBytes = 512U << 20U;
   Result<std::string> bytes = read_regular_file(path, kMaxBytes);

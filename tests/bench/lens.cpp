@@ -29,6 +29,7 @@
 #include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 #include "tests/support/draws.hpp"
+#include "tests/support/turned_plate.hpp"
 
 using namespace tagsmith::detail;
 using Eigen::Vector2d;

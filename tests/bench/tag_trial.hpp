@@ -20,6 +20,7 @@
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/bench/corner_fit.hpp"
+#include "tests/support/turned_plate.hpp"
 
 namespace tagsmith::detail::bench {
 

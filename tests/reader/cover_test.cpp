@@ -18,6 +18,7 @@
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"
+#include "tests/support/turned_plate.hpp"
 
 using namespace tagsmith::detail;
 

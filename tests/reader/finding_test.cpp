@@ -24,6 +24,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"
+#include "tests/support/turned_plate.hpp"
 
 using namespace tagsmith::detail;
 

@@ -16,6 +16,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/support/turned_plate.hpp"
 
 using namespace tagsmith::detail;
 

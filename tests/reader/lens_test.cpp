@@ -17,6 +17,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/bench/tag_trial.hpp"
+#include "tests/support/turned_plate.hpp"
 
 using namespace tagsmith::detail;
 

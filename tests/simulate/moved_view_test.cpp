@@ -9,6 +9,7 @@
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/corridor_template.hpp"
+#include "tests/support/turned_plate.hpp"
 
 namespace tagsmith::detail {
 namespace {

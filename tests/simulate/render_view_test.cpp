@@ -13,6 +13,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/corridor_template.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/turned_plate.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -17,6 +17,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/support/turned_plate.hpp"
 
 namespace tagsmith::detail {
 namespace {

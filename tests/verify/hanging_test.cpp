@@ -14,6 +14,7 @@
 #include "decoder/simulate/render_view.hpp"
 #include "decoder/verify/evidence.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/support/turned_plate.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
 namespace tagsmith::detail {
