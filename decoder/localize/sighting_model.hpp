@@ -103,6 +103,9 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
                                           const VehicleFrame& vehicle, const SightedPlate& plate,
                                           std::size_t camera);
 
+// What the vehicle's motion while the camera's rows are read adds to the corners' covariance.
+CornerCovariance covariance_by_motion(const SightingRows& rows, const RigCamera& camera);
+
 // The camera's poses that a sighting by itself allows (plate_poses): world_from_camera. Nothing
 // when the corners are no picture of a rectangle.
 std::optional<std::array<Pose, 2>> camera_poses_from(const Camera& camera,

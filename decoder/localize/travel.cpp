@@ -146,24 +146,54 @@ Fix LiveDoubts::judged(Fix fix, const std::vector<Survey>& surveys, const Rig& r
   return fix;
 }
 
+namespace {
+
+// Rows that a rig gives a position.
+std::size_t count_located(std::span<const Observation* const> rows,
+                          const std::vector<Survey>& surveys, const Rig& rig) {
+  return static_cast<std::size_t>(std::ranges::count_if(rows, [&](const Observation* row) {
+    return localize_jointly(*row, surveys, rig).position_in_grid.has_value();
+  }));
+}
+
+// With cameras that may stand and look a little elsewhere.
+Rig with_loose_cameras(Rig rig) {
+  for (RigCamera& camera : rig.cameras) {
+    CalibrationSigma& sigma = camera.calibration_sigma;
+    sigma.position = std::max(sigma.position, 0.02);
+    sigma.angle = std::max(sigma.angle, radians(0.5));
+  }
+  return rig;
+}
+
+// With rolling shutters of a vehicle that drives 2.5 m/s while 20 ms pass, or less.
+Rig with_rolling_shutters(Rig rig) {
+  for (RigCamera& camera : rig.cameras) camera.calibration_sigma.shutter = 0.05;
+  return rig;
+}
+
+}  // namespace
+
 std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
                                               std::span<const Observation> rows,
-                                              const std::vector<Survey>& surveys, Rig rig) {
-  constexpr double kMostDriven = 0.05;  // metres, standard deviation: 2.5 m/s and 20 ms
+                                              const std::vector<Survey>& surveys, const Rig& rig) {
   constexpr std::size_t kLeastRows = 3, kTried = 40;
   constexpr double kLeastShare = 0.7;
-  for (RigCamera& camera : rig.cameras) {
-    if (camera.readout) return std::nullopt;
-    camera.calibration_sigma.shutter = kMostDriven;
+  const auto states_readout = [](const RigCamera& camera) { return camera.readout.has_value(); };
+  if (std::ranges::any_of(rig.cameras, states_readout)) return std::nullopt;
+  std::vector<const Observation*> refused;
+  for (std::size_t i = 0; i < fixes.size() && refused.size() < kTried; ++i) {
+    if (!fixes[i].position_in_grid && rows[i].tags.size() > 1) refused.push_back(&rows[i]);
   }
-  RollingShutter rolling;
-  for (std::size_t i = 0; i < fixes.size() && rolling.rows < kTried; ++i) {
-    if (fixes[i].position_in_grid || rows[i].tags.size() < 2) continue;
-    ++rolling.rows;
-    if (localize_jointly(rows[i], surveys, rig).position_in_grid) ++rolling.located;
-  }
+  if (refused.size() < kLeastRows) return std::nullopt;
+  const RollingShutter rolling{count_located(refused, surveys, with_rolling_shutters(rig)),
+                               refused.size()};
   const double least = kLeastShare * static_cast<double>(rolling.rows);
   if (rolling.located < kLeastRows || static_cast<double>(rolling.located) < least) {
+    return std::nullopt;
+  }
+  // What cameras that are mounted a little otherwise explain as well is no shutter.
+  if (count_located(refused, surveys, with_loose_cameras(rig)) >= rolling.located) {
     return std::nullopt;
   }
   return rolling;
@@ -172,8 +202,9 @@ std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
 std::string to_string(const RollingShutter& rolling) {
   return fmt::format(
       "{} of {} rows without a position have one when the vehicle may move while the cameras read "
-      "the rows of an image one after another (rolling shutters): stop for photos, or state "
-      "`readout` of each camera and `speed` of the envelope in the rig",
+      "the rows of an image one after another. If they do (rolling shutters), stop for photos, or "
+      "state `readout` of each camera and `speed` of the envelope in the rig; else survey or rig "
+      "are wrong",
       rolling.located, rolling.rows);
 }
 

@@ -66,11 +66,11 @@ struct RollingShutter {
   std::size_t rows = 0;     // without a position, in which two tags and more were read
 };
 
-// Where that locates three rows and more, and seven of ten; the rig states no readout. `rows`: of
-// the fixes.
+// Where that locates three rows and more, and seven of ten, and cameras that stand and look a
+// little elsewhere do not locate as many; the rig states no readout. `rows`: of the fixes.
 std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
                                               std::span<const Observation> rows,
-                                              const std::vector<Survey>& surveys, Rig rig);
+                                              const std::vector<Survey>& surveys, const Rig& rig);
 
 // The same of a vehicle that drives.
 class LiveDoubts {

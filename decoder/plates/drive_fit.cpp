@@ -269,7 +269,9 @@ double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t statio
                                             sighting.camera)
                             : std::nullopt;
   if (!rows) return std::numeric_limits<double>::infinity();
-  return squared_mahalanobis(rows->predicted - sighting.pixels, sighting.covariance_with_edges());
+  return squared_mahalanobis(rows->predicted - sighting.pixels,
+                             sighting.covariance_with_edges() +
+                                 covariance_by_motion(*rows, fit.rig.cameras[sighting.camera]));
 }
 
 namespace {

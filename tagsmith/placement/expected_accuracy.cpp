@@ -30,10 +30,11 @@ std::optional<Matrix3d> inverse_in_closed_form(const Matrix3d& matrix) {
 }
 
 constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
-constexpr Eigen::Index kCalibrationParameters = 9;
+constexpr Eigen::Index kFixedParameters = 9;  // of a camera's calibration
+// And the vehicle's motion while a rolling shutter passes over the image.
+constexpr Eigen::Index kCalibrationParameters = 15;
 constexpr Eigen::Index kPlateRows = 8;
-// Its place, its attitude, the vehicle's motion while it is exposed, where its edges are seen.
-constexpr Eigen::Index kPlateParameters = 13;
+constexpr Eigen::Index kPlateParameters = 7;  // its place, its attitude, where its edges are seen
 
 // Derivatives of a plate's corners in one image, those by what is uncertain in units of its
 // standard deviations.
@@ -45,11 +46,12 @@ struct CornerRows {
 
 // Rows of corners that cannot be seen are zero.
 CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
-                       const PlateSight& sight) {
+                       const PlateSight& sight, const AccuracyOptions& options) {
   const TagTemplate& tag = survey.tag_template;
   const PlacedTag& placed = survey.tags[sight.tag];
   const RigCamera& camera = rig.cameras[sight.camera];
   const CalibrationSigma& sigma = camera.calibration_sigma;
+  const double driven = options.speed * camera.readout.value_or(0);
   CornerRows rows;
   rows.by_vehicle.setZero();
   rows.by_plate.setZero();
@@ -74,9 +76,8 @@ CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame&
     rows.by_calibration.middleRows<2>(row - 2) << sigma.position * point->by_mounting.leftCols<3>(),
         sigma.angle * point->by_mounting.rightCols<3>(),
         sigma.focal * point->by_intrinsics.leftCols<1>(),
-        sigma.center * point->by_intrinsics.middleCols<2>(1);
-    rows.by_plate.middleRows<2>(row - 2).middleCols<6>(6) =
-        point->by_motion * motion_sigmas(sigma.shutter).asDiagonal();
+        sigma.center * point->by_intrinsics.middleCols<2>(1),
+        point->by_motion * motion_sigmas(driven).asDiagonal();
   }
   if (all_seen) rows.by_plate.rightCols<1>() = sigma.edge * by_outward_edges(pixels);
   return rows;
@@ -94,7 +95,7 @@ void add_tag(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
   Eigen::Index row = 0;
   for (const PlateSight& sight : sights) {
     if (sight.tag != tag) continue;
-    const CornerRows rows = corner_rows(survey, rig, vehicle, sight);
+    const CornerRows rows = corner_rows(survey, rig, vehicle, sight, options);
     const double sigma = expected_corner_sigma(rig, sight, options);
     by_all.block<kPlateRows, kVehicleCount>(row, 0) = rows.by_vehicle;
     by_all.block<kPlateRows, kCalibrationParameters>(
@@ -119,34 +120,35 @@ bool sees_a_tag_twice(std::span<const PlateSight> sights) {
 }
 
 // The information of each camera by itself, its calibration taken out, for sights of which no two
-// share a plate: the same as all together, and several times as fast.
+// share a plate: the same as all together, and several times as fast. Of the calibration's
+// parameters the first ones count.
+template <Eigen::Index kParameters>
 VehicleCovariance sum_of_cameras(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
                                  std::span<const PlateSight> sights,
                                  const AccuracyOptions& options) {
-  constexpr Eigen::Index kCount = kVehicleCount + kCalibrationParameters;
+  constexpr Eigen::Index kCount = kVehicleCount + kParameters;
   VehicleCovariance sum = VehicleCovariance::Zero();
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     Eigen::Matrix<double, kCount, kCount> information =
         Eigen::Matrix<double, kCount, kCount>::Zero();
-    information.diagonal().tail<kCalibrationParameters>().setOnes();
+    information.diagonal().template tail<kParameters>().setOnes();
     for (const PlateSight& sight : sights) {
       if (sight.camera != camera) continue;
-      const CornerRows rows = corner_rows(survey, rig, vehicle, sight);
+      const CornerRows rows = corner_rows(survey, rig, vehicle, sight, options);
       const double sigma = expected_corner_sigma(rig, sight, options);
       Eigen::Matrix<double, kPlateRows, kPlateRows> covariance =
           rows.by_plate.lazyProduct(rows.by_plate.transpose());
       covariance.diagonal().array() += sigma * sigma;
       Eigen::Matrix<double, kPlateRows, kCount> by_all;
-      by_all << rows.by_vehicle, rows.by_calibration;
+      by_all << rows.by_vehicle, rows.by_calibration.leftCols<kParameters>();
       covariance.llt().matrixL().solveInPlace(by_all);
       information += by_all.transpose().lazyProduct(by_all);  // small: no kernels of large ones
     }
-    const Eigen::Matrix<double, kVehicleCount, kCalibrationParameters> shared =
-        information.topRightCorner<kVehicleCount, kCalibrationParameters>();
-    sum += information.topLeftCorner<kVehicleCount, kVehicleCount>() -
-           shared * information.bottomRightCorner<kCalibrationParameters, kCalibrationParameters>()
-                        .llt()
-                        .solve(shared.transpose());
+    const Eigen::Matrix<double, kVehicleCount, kParameters> shared =
+        information.template topRightCorner<kVehicleCount, kParameters>();
+    sum += information.template topLeftCorner<kVehicleCount, kVehicleCount>() -
+           shared * information.template bottomRightCorner<kParameters, kParameters>().llt().solve(
+                        shared.transpose());
   }
   return sum;
 }
@@ -166,7 +168,12 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
                                      const VehicleFrame& vehicle,
                                      std::span<const PlateSight> sights,
                                      const AccuracyOptions& options) {
-  if (!sees_a_tag_twice(sights)) return sum_of_cameras(survey, rig, vehicle, sights, options);
+  if (!sees_a_tag_twice(sights)) {
+    const auto rolls = [](const RigCamera& camera) { return camera.readout.value_or(0) > 0; };
+    return std::ranges::any_of(rig.cameras, rolls)
+               ? sum_of_cameras<kCalibrationParameters>(survey, rig, vehicle, sights, options)
+               : sum_of_cameras<kFixedParameters>(survey, rig, vehicle, sights, options);
+  }
   const Eigen::Index calibrated =
       kCalibrationParameters * static_cast<Eigen::Index>(rig.cameras.size());
   Eigen::MatrixXd information =

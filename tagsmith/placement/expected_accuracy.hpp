@@ -18,7 +18,9 @@ namespace tagsmith::detail {
 struct AccuracyOptions {
   // Of a coordinate of a corner, pixels; absent = what the reader was measured to reach.
   std::optional<double> corner_sigma_px;
-  double speed = 0;  // metres a second: during a camera's exposure it blurs the corners
+  // Metres a second: during a camera's exposure it blurs the corners, during its readout it shifts
+  // rows.
+  double speed = 0;
 };
 
 // Standard deviation of a coordinate of the sight's corners, pixels.

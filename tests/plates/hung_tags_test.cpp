@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -32,6 +33,8 @@ using Eigen::Vector3d;
 // Seen from three places, exactly.
 struct Corridor : test::WideCorridor {
   std::string small;  // tag whose frame is printed at 97 %, about its middle
+  // Metres that the vehicle drives at each place while the rows of the pictures are read.
+  std::map<double, double> driven;
 
   Pose& at(std::string_view name) { return hung[index(name)]; }
 
@@ -49,10 +52,13 @@ struct Corridor : test::WideCorridor {
           const auto rows = sighting_rows(rig, calibration_layout(rig), {}, vehicle_frame(vehicle),
                                           plate, camera);
           if (!rows || !in_view(*rows)) continue;
+          const Eigen::VectorXd moved =
+              (driven.contains(y) ? driven.at(y) : 0) * rows->by_calibration.col(kMotion);
           SightedTag tag{std::to_string(y), camera, survey.tags[i].name, {}};
           for (std::size_t c = 0; c < 4; ++c) {
             const auto row = static_cast<Eigen::Index>(2 * c);
-            tag.seen.corners[c] = {rows->predicted[row], rows->predicted[row + 1]};
+            tag.seen.corners[c] = {rows->predicted[row] + moved[row],
+                                   rows->predicted[row + 1] + moved[row + 1]};
           }
           tag.seen.covariance = 0.01 * CornerCovariance::Identity();
           sighted.push_back(tag);
@@ -101,6 +107,21 @@ VerifiedFile photo_of(const std::string& tag, const Survey& survey) {
 }
 
 }  // namespace
+
+TEST_CASE("rolling shutters of a drive whose speed varies accuse no plate") {
+  Corridor corridor;
+  corridor.driven = {{-0.5, 0}, {0.3, 0.04}, {1.1, 0.015}};
+  for (RigCamera& camera : corridor.rig.cameras) camera.readout = 0.02;
+  corridor.rig.envelope = VehicleEnvelope{0.1, radians(2), 2};
+  set_shutter_sigmas(corridor.rig);
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, corridor.seen());
+  REQUIRE(result.tags.size() > 3);
+  for (const HungTag& tag : result.tags) {
+    CAPTURE(tag.tag);
+    CHECK(tag.rule == "");
+    CHECK(tag.verdict == HangVerdict::fits);
+  }
+}
 
 TEST_CASE(
     "a frame of another size that hangs elsewhere takes two mistakes: named, and not certain") {
