@@ -290,6 +290,7 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
               {"future", report.photos.future},
               {"clock_reset", report.photos.clock_reset},
               {"other_revisions", report.photos.other_revisions},
+              {"nameless", report.nameless},
               {"oldest", to_json(report.oldest)},
               {"newest", to_json(report.newest)},
               {"trends", report.trends},
@@ -443,6 +444,11 @@ std::vector<std::string> doubts_in_words(const LedgerReport& report) {
         "{} of them verified against another state of the survey: where plates hang was "
         "judged by that; verify them again",
         report.photos.other_revisions));
+  }
+  if (report.nameless > 0) {
+    sentences.push_back(fmt::format(
+        "{} of plates that were not read when plates had other names: verify these photos again",
+        counted(report.nameless, "fault")));
   }
   return sentences;
 }

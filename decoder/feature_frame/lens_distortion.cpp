@@ -154,9 +154,21 @@ SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners) {
   return bows;
 }
 
+namespace {
+
+// The thickness of the stroke as a share of the frame's extent across its side, by the rectangle
+// that the plane of a camera's lens shows: columns of its homography are as long as its sides.
+double share_of_stroke(const Homography& plane, const FrameShape& shape) {
+  const double along = std::hypot(plane.h[0], plane.h[3], plane.h[6]);
+  const double across = std::hypot(plane.h[1], plane.h[4], plane.h[7]);
+  const bool is_longer = (along > across) == (shape.length > shape.height);
+  return shape.stroke / (is_longer ? shape.height : shape.length);
+}
+
+}  // namespace
+
 void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::size_t i,
-                        SideLine& side) {
-  constexpr double kMostTaper = 0.5;
+                        const FrameShape& shape, SideLine& side) {
   const auto corner = [&](const Quad& of, std::size_t k) { return of[(i + k) % 4]; };
   const std::optional<Quad> straight = straightened(lens, corners);
   if (!straight) return;
@@ -164,7 +176,9 @@ void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::si
       {corner(*straight, 0), corner(*straight, 1), corner(*straight, 2), corner(*straight, 3)});
   const PixelPoint middle = 0.5 * (side.begin + side.end);
   const PixelPoint opposite = 0.5 * (corner(corners, 2) + corner(corners, 3));
-  const double share = side.stroke / std::abs(dot(middle - opposite, side.outward));
+  const double share = lens.is_calibrated()
+                           ? share_of_stroke(plane, shape)
+                           : side.stroke / std::abs(dot(middle - opposite, side.outward));
   std::array<double, 2> places{}, thickness{};
   for (const std::size_t k : {0U, 1U}) {
     const auto pixel = lens.bent(plane(k == 0 ? 0.2 : 0.8, -share));
@@ -177,7 +191,7 @@ void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::si
   const double amid = thickness[0] - slope * places[0];
   if (!(amid > 0)) return;
   side.stroke = std::max(1.0, amid);
-  side.taper = std::clamp(slope / amid, -kMostTaper, kMostTaper);
+  side.taper = std::clamp(slope / amid, -0.5, 0.5);
 }
 
 // Why: docs/decisions/0006-lens-and-tone.md.

@@ -29,6 +29,9 @@ class LensDistortion {
 
   bool bends() const { return !std::holds_alternative<std::monostate>(lens_); }
 
+  // True of a camera's lens: its plane shows angles as they are.
+  bool is_calibrated() const { return std::holds_alternative<Camera>(lens_); }
+
   // The pixel's point of the plane; nothing where the lens has none.
   std::optional<PixelPoint> straightened(PixelPoint pixel) const;
 
@@ -48,11 +51,11 @@ class LensDistortion {
 // pixels, to a thousandth of their bow; zero where it has no ray for one.
 SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners);
 
-// Sets the thickness of a bowed side's stroke and its taper as the lens and perspective show a
-// stroke that is as thick a share of the frame's depth as the side says; leaves them as they are
-// where the lens has no ray for them.
+// Sets the thickness of a bowed side's stroke and its taper as lens and perspective show them. A
+// camera's lens says which sides are the frame's longer ones; otherwise the stroke is as thick a
+// share of the frame's depth as the side says. Leaves both as they are where the lens has no ray.
 void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::size_t i,
-                        SideLine& side);
+                        const FrameShape& shape, SideLine& side);
 
 // What is known of the lens before a frame is fitted.
 struct LensGuess {

@@ -50,10 +50,11 @@ SideLine side_to_fit(const GrayView& image, const Quad& settled, std::size_t i,
                      const FrameShape& shape, const LensDistortion& lens,
                      const SideSagittas& bows) {
   SideLine line = side_of(settled, i, shape);
-  if (line.stroke >= kEdgeFit.thin_stroke && is_half_as_thick(image, line)) line.stroke /= 2;
+  const bool may_be_half = !lens.is_calibrated() && line.stroke >= kEdgeFit.thin_stroke;
+  if (may_be_half && is_half_as_thick(image, line)) line.stroke /= 2;
   line.taper = taper_of(settled, line, i);
   line.bow = bows[i];
-  if (lens.bends()) set_stroke_through(lens, settled, i, line);
+  if (lens.bends()) set_stroke_through(lens, settled, i, shape, line);
   return line;
 }
 

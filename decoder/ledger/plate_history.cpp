@@ -438,18 +438,22 @@ class PlateNames {
   const PlacedTag* by_digits(const PlateSighting& seen) {
     const auto digits = parse_digits(seen.digits);
     const PlacedTag* tag = digits ? found(of_digits_, *digits) : nullptr;
-    if (tag != nullptr && !seen.finding.is_fault()) meant_[{seen.revision, seen.tag}] = tag;
+    if (tag != nullptr && !seen.finding.is_fault()) {
+      meant_[{seen.revision, seen.tag}] = tag;
+      if (tag->name != seen.tag) renamed_.insert(seen.revision);
+    }
     return tag;
   }
 
   // The plate that had this name in the state of the survey that the photo was verified against:
-  // the one that other photos then showed under it, else the one that has the name now. Only after
-  // by_digits() of all sightings.
+  // the one that other photos then showed under it, else the one that has the name now; nothing
+  // where plates had other names then. Only after by_digits() of all sightings.
   const PlacedTag* by_name(const PlateSighting& seen) const {
     if (!seen.digits.empty() && !seen.finding.is_fault()) return nullptr;
+    if (seen.revision == revision_) return found(named_, std::string_view(seen.tag));
     const auto meant = meant_.find({seen.revision, seen.tag});
-    if (seen.revision != revision_ && meant != meant_.end()) return meant->second;
-    return found(named_, std::string_view(seen.tag));
+    if (meant != meant_.end()) return meant->second;
+    return renamed_.contains(seen.revision) ? nullptr : found(named_, std::string_view(seen.tag));
   }
 
  private:
@@ -463,9 +467,12 @@ class PlateNames {
   std::map<Digits, const PlacedTag*> of_digits_;
   std::map<std::string_view, const PlacedTag*> named_;
   std::map<std::pair<std::string, std::string>, const PlacedTag*> meant_;  // by revision and name
+  std::set<std::string> renamed_;  // states in which plates had other names
 };
 
-Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day last) {
+// `nameless`: faults of plates that no longer have a name.
+Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day last,
+                                 std::size_t& nameless) {
   Histories histories;
   PlateNames names(survey);
   std::vector<PlateSighting> unread;
@@ -480,7 +487,11 @@ Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day
     return tl::unexpected(read.error());
   }
   for (const PlateSighting& seen : unread) {
-    if (const PlacedTag* tag = names.by_name(seen)) add(seen, last, histories[tag->name]);
+    if (const PlacedTag* tag = names.by_name(seen)) {
+      add(seen, last, histories[tag->name]);
+    } else if (seen.finding.is_fault()) {
+      ++nameless;
+    }
   }
   return histories;
 }
@@ -561,9 +572,9 @@ Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledg
   const Result<LedgerCounts> photos =
       ledger.count_photos(survey.name, to_text(last), survey_revision(survey));
   if (!photos) return tl::unexpected(photos.error());
-  const Result<Histories> histories = read_histories(survey, ledger, last);
-  if (!histories) return tl::unexpected(histories.error());
   LedgerReport report;
+  const Result<Histories> histories = read_histories(survey, ledger, last, report.nameless);
+  if (!histories) return tl::unexpected(histories.error());
   report.photos = *photos;
   for (const auto& [tag, history] : *histories) {
     if (history.days.empty()) continue;

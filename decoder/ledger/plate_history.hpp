@@ -166,7 +166,9 @@ struct LedgerReport {
   std::vector<PlateState> plates;   // all of the survey, the most urgent first
   std::vector<MendedFault> mended;  // the latest first
   std::size_t trends = 0;           // plates that have one
-  std::size_t losing_light = 0;     // of these, by contrast or modulation on their way to the limit
+  // Faults of plates that were not read and that the survey now calls otherwise, or not at all.
+  std::size_t nameless = 0;
+  std::size_t losing_light = 0;  // of these, by contrast or modulation on their way to the limit
 
   // Plates do not get dirty all at once: then it is a lens, its focus, a lamp, or dust in the air.
   bool blames_camera() const { return trends >= 5 && 2 * losing_light > trends; }

@@ -158,8 +158,7 @@ std::string placement_in_words(const Completeness& covered) {
   if (covered.placement_checked == 0) {
     return "Placement not checked: whether the tags in the photos hang where the survey has them, "
            "or were exchanged, is not known. That takes photos of two tags or more by a camera "
-           "that "
-           "names its lens (EXIF, as phones do), or photos of both walls by a rig that is given as "
+           "that names its lens (EXIF, as phones do), or of both walls by a rig that is given as "
            "its cameras are mounted";
   }
   return fmt::format(

@@ -76,9 +76,12 @@ void warn_of_misread_plates(const std::vector<ReadElsewhere>& plates) {
                                 format_number(1000 * plate.distance, 1)));
   }
   to_stderr(
-      "diff: warning: until they are moved or taken down, {} plates that hang are read as tags "
-      "elsewhere by the new survey ({}{}): do not localize with it before\n",
-      plates.size(), fmt::join(shown, "; "), plates.size() > kShown ? "; ..." : "");
+      "diff: warning: until moved or taken down, {} read as tags elsewhere by the new survey "
+      "({}{}): "
+      "do not localize with it before\n",
+      plates.size() == 1 ? "a plate that hangs is"
+                         : counted(plates.size(), "plate") + " that hang are",
+      fmt::join(shown, "; "), plates.size() > kShown ? "; ..." : "");
 }
 
 int diff(const DiffOptions& options) {

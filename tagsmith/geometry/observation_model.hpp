@@ -57,7 +57,7 @@ struct ObservedPoint {
   Eigen::Matrix<double, 2, 6> by_mounting;    // of the camera: shift in vehicle axes; rotation
   Eigen::Matrix<double, 2, 4> by_intrinsics;  // relative change of the focal lengths; cx, cy; k1
   // The vehicle's motion while a rolling shutter passes over the image, from the first row to the
-  // last: shift in vehicle axes; turn of the camera in its own.
+  // last, in its axes: shift; turn about O.
   Eigen::Matrix<double, 2, 6> by_motion;
 };
 

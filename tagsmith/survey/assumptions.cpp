@@ -47,6 +47,12 @@ std::optional<std::string> assumed_sigma(const Survey& survey) {
 
 // Of cameras that drive: what is not said of their shutters is taken as global.
 std::optional<std::string> assumed_shutter(const Rig& rig) {
+  const auto rolls = [](const RigCamera& camera) { return camera.readout.value_or(0) > 0; };
+  if (!rig.envelope && std::ranges::any_of(rig.cameras, rolls)) {
+    return fmt::format(
+        "rig {} has a readout and states no speed (vehicle.envelope): {} m/s assumed", rig.name,
+        format_number(kUsualSpeed));
+  }
   if (!rig.envelope || rig.envelope->speed == 0) return std::nullopt;
   std::vector<std::string> names;
   for (const RigCamera& camera : rig.cameras) {

@@ -30,9 +30,8 @@ std::string range_remedy(const PositionCode& code, const std::vector<SourcedTag>
   if (extent < high - low) {
     return "an origin of " + format_number(std::floor(box.min()[axis])) + " for " + name +
            " (code.origin) brings all tags into range, before any plate is printed; where plates "
-           "hang, "
-           "keep the origin that they were printed with and make the new stretch a survey of its "
-           "own";
+           "hang, keep the origin that they were printed with, and make the new stretch a survey "
+           "of its own";
   }
   return "the tags span " + length_text(extent) + " along " + name + ": more digits for " + name +
          " (code.digits) or a coarser code.resolution";

@@ -161,8 +161,10 @@ std::vector<ReadElsewhere> read_elsewhere(const Survey& before, const Survey& af
   for (const PlacedTag& tag : before.tags) {
     const auto read = by_digits.find(tag.digits);
     if (read == by_digits.end()) continue;
+    const bool was_measured = read->second->name == tag.name && !read->second->date.empty();
     const double distance = distance_between(tag, *read->second);
-    if (distance > kSamePlace) plates.push_back({tag.name, read->second->name, distance});
+    if (distance > kSamePlace && !was_measured)
+      plates.push_back({tag.name, read->second->name, distance});
   }
   return plates;
 }

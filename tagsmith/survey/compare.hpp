@@ -44,7 +44,8 @@ inline constexpr double kSameDirection = 0.0025;
 // where the plate is printed anew anyway: the code identifies a plate.
 std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& after);
 
-// A plate that hangs by the old survey and that the new one takes for a tag which hangs elsewhere.
+// A plate that hangs by the old survey and that the new one takes for a tag which hangs elsewhere;
+// not one that was measured anew (`placed` with a date): it hangs where the new survey says.
 struct ReadElsewhere {
   std::string tag;      // in the old survey
   std::string read_as;  // in the new one

@@ -229,19 +229,6 @@ void read_vehicle(const YamlNode* node, Rig& rig, FindingLog& log) {
   if (map.has("envelope")) rig.envelope = read_envelope(map.find("envelope"), map.log());
 }
 
-// While a rolling shutter passes over the image the vehicle drives on.
-void check_readouts(const Rig& rig, const YamlNode& cameras, FindingLog& log) {
-  if (rig.envelope) return;
-  for (const YamlKey& key : cameras.keys) {
-    const RigCamera* camera = find_camera(rig, key.text);
-    if (camera == nullptr || camera->readout.value_or(0) == 0) continue;
-    log.error(
-        key.place, "missing-key",
-        "camera " + camera->name + " has a readout, but how fast the vehicle drives is not said",
-        "vehicle: { height: 1, envelope: { lateral: 0.3, yaw: 5, speed: 2 } }");
-  }
-}
-
 Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
   const MapReader file(&root, "", {"rig", "cameras", "ranges", "vehicle"}, log);
   Rig rig;
@@ -264,7 +251,6 @@ Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
       },
       log);
   read_vehicle(file.need("vehicle", "vehicle: { height: 0.24 }"), rig, log);
-  if (cameras != nullptr) check_readouts(rig, *cameras, log);
   set_shutter_sigmas(rig);
   if (!log.has_errors()) check_columns(rig, file);
   return rig;

@@ -23,7 +23,7 @@ Eigen::Matrix3d body_from_camera() {
 }  // namespace
 
 void set_shutter_sigmas(Rig& rig) {
-  const double speed = rig.envelope ? rig.envelope->speed : 0;
+  const double speed = rig.envelope ? rig.envelope->speed : kUsualSpeed;
   for (RigCamera& camera : rig.cameras) {
     camera.calibration_sigma.shutter = camera.readout.value_or(0) * speed;
   }

@@ -87,8 +87,11 @@ struct Rig {
   std::optional<VehicleEnvelope> envelope;
 };
 
-// Sets each camera's CalibrationSigma::shutter by its readout and the vehicle's speed; 0 where
-// either is not stated.
+// Metres a second, where a camera has a readout and no envelope states the speed.
+inline constexpr double kUsualSpeed = 2;
+
+// Sets each camera's CalibrationSigma::shutter by its readout and the vehicle's speed; 0 without a
+// readout.
 void set_shutter_sigmas(Rig& rig);
 
 // True when a rig's stance tells its pictures' up: it stands level on its wheels, its roll's and

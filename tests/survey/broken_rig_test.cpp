@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
@@ -106,14 +107,19 @@ TEST_CASE(
   CHECK(read_text_as_rig(right_rig()).value->height_sigma == 0.05);
 }
 
-TEST_CASE("a rolling shutter needs the vehicle's speed") {
+TEST_CASE("a rolling shutter counts by the vehicle's speed, or by a usual one") {
   const std::string text =
       "rig: trial\ncameras:\n  left: { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: "
       "[4.8, 3.6], alpha: 35, side: left, readout: 0.02, sigma: 0 }\nvehicle: { height: 1.1";
-  CHECK(count_findings(read_text_as_rig(text + " }\n").diagnostics, "missing-key", 3) == 1);
-  const auto rig = read_text_as_rig(text + ", envelope: { lateral: 0.3, yaw: 5, speed: 2 } }\n");
-  REQUIRE(rig.value);
-  CHECK(rig.value->cameras[0].calibration_sigma.shutter == doctest::Approx(0.04));
+  const auto usual = read_text_as_rig(text + " }\n");
+  REQUIRE(usual.value);
+  CHECK(usual.value->cameras[0].calibration_sigma.shutter == doctest::Approx(0.04));
+  CHECK(assumptions({}, *usual.value) ==
+        std::vector<std::string>{"rig trial has a readout and states no speed (vehicle.envelope): "
+                                 "2 m/s assumed"});
+  const auto stated = read_text_as_rig(text + ", envelope: { lateral: 0.3, yaw: 5, speed: 1 } }\n");
+  REQUIRE(stated.value);
+  CHECK(stated.value->cameras[0].calibration_sigma.shutter == doctest::Approx(0.02));
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {
