@@ -18,7 +18,7 @@ constexpr std::size_t kMost = kWindows / 2 + 1;
 constexpr std::size_t kInWindow = 24;  // places: two a module
 constexpr double kHalfShown = 0.5;     // of the bars' contrast: the end of a blurred bar
 
-// Light (0-1) of one window's places along the symbol.
+// Light (0-1) at the places of one window along the symbol.
 using WindowLight = std::array<float, kInWindow>;
 
 // A row of a window; in shadow, as shares of its own white.
@@ -35,7 +35,7 @@ struct Pattern {
   float black = 0;
 };
 
-// The middle one of an odd number of values; rearranges them.
+// The median of an odd number of values; rearranges them.
 float median_of(std::vector<float>& values) {
   if (values.size() == 3) {
     const auto [low, high] = std::minmax(values[0], values[1]);
@@ -54,8 +54,8 @@ class Symbol {
         field_(field),
         image_from_unit_(field.corners, field.lens) {}
 
-  // The places are even between a window's ends: what perspective and lens move them by there, they
-  // move in all of its rows alike.
+  // The places are evenly spaced between a window's ends: perspective and the lens displace them by
+  // the same distance in all rows of the window.
   WindowRow row(std::size_t window, double v) const {
     const double width = (field_.last - field_.first) / kWindows;
     const double u = field_.first + static_cast<double>(window) * width;
@@ -79,7 +79,7 @@ class Symbol {
            (field_.last - field_.first) * (static_cast<double>(window) + 0.5) / kWindows;
   }
 
-  // The bars amid their height: the middle one of some rows at every place.
+  // The bars around the middle of their height: the median of some rows at every place.
   Pattern pattern(std::size_t window) const {
     constexpr std::size_t rows = kBarEnds.rows;
     std::vector<WindowRow> seen;
@@ -116,7 +116,7 @@ class Symbol {
   }
 
  private:
-  // The third part of a window and more is white, amid bars and beyond them.
+  // At least a third of the window is white, both amid the bars and beyond them.
   static void even_out(WindowRow& row) {
     WindowLight ordered = row.light;
     std::ranges::nth_element(ordered, ordered.end() - kInWindow / 6);
@@ -147,7 +147,7 @@ float level_of(const Pattern& pattern, const WindowRow& row, float white) {
 
 bool has_contrast(const Pattern& pattern) { return pattern.white > pattern.black; }
 
-// Where a window's bars end between two heights; nothing where that does not show.
+// Where a window's bars end between two heights; nothing where no end is visible.
 std::optional<double> end_in_window(const Symbol& symbol, const Pattern& pattern,
                                     std::size_t window, double from, double to) {
   const double u = symbol.middle_of(window);
@@ -155,7 +155,8 @@ std::optional<double> end_in_window(const Symbol& symbol, const Pattern& pattern
   const int steps = std::clamp(static_cast<int>(pixels), 4, 400);
   const double step = (to - from) / steps;
   const double step_px = pixels / steps;
-  // Between two rows in which the bars show, so near, too little can be white for an end.
+  // Between two rows that both show the bars, so close together, too few rows can be white for an
+  // end.
   const int at_once = static_cast<int>(kBarEnds.beyond_px) + 1;
   const auto row_at = [&](int k) { return symbol.row(window, from + k * step); };
   std::optional<double> end;
@@ -225,7 +226,7 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
   const double slope = uv / uu;
   double squares = 0;
   for (const WindowEnd& end : best) squares += std::pow(end.v - v - slope * (end.u - u), 2);
-  // What neighbouring windows are off by together, beside what they differ by.
+  // The error that neighbouring windows have in common is added to their scatter.
   const double variance = squares / std::max(1.0, count - 2);
   const double reach = std::max(u, 1 - u);
   const double at_ends = variance * (1 / count + reach * reach / uu) * pixels_per_v * pixels_per_v;
@@ -233,7 +234,7 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
                  std::sqrt(at_ends + kBarEnds.systematic_px * kBarEnds.systematic_px)};
 }
 
-// Of each window.
+// The pattern of each window.
 using Patterns = std::array<Pattern, kWindows>;
 
 Patterns patterns_of(const Symbol& symbol) {
@@ -324,7 +325,7 @@ Quad corners_with_side(const Quad& corners, std::size_t side, const BarField& fi
   return completed;
 }
 
-// By how much ends seen in a field miss a height in a frame, pixels.
+// By how much ends that were seen in a field lie off a height in a frame, pixels.
 double missed_px(const BarField& field, const BarEnds& ends, const Quad& frame, double v) {
   const FrameHomography seen(field.corners, field.lens);
   const FrameHomography expected(frame, field.lens);
@@ -333,8 +334,8 @@ double missed_px(const BarField& field, const BarEnds& ends, const Quad& frame, 
   return std::max(miss(left), miss(right)) * height_of(frame);
 }
 
-// Whether something dark lies along a side between where the bars end and v = `side`: the frame's
-// own stroke, of which that side is not the inner edge.
+// Whether something dark lies along a side between where the bars end and v = `side`: it is the
+// frame's own stroke, and that side is not its inner edge.
 bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
   std::size_t dark = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
@@ -410,9 +411,9 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const
     const double miss =
         missed_px(seen_in, other, completed, layout.bars_top + layout.bars_bottom - v);
     if (miss > tolerance + 3 * other.sigma_px) continue;
-    // Something across the bars, not their ends.
+    // Something crosses the bars; these are not their ends.
     if (shows_stroke(symbol, layout, side)) return {EndsVerdict::odd, corners, 0, 0};
-    // Where both may be, neither is certain.
+    // Where both may be the case, neither is certain.
     if (found) return {EndsVerdict::odd, corners, 0, 0};
     const double sigma =
         std::hypot(own.sigma_px / (side == 0 ? 1 - v : v), kBarEnds.layout * height_of(completed));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the bars of a symbol end, above and below: the one thing that tells a frame's upper and
-// lower sides from other straight edges near by.
+// Where the bars of a symbol end, above and below: the only feature that distinguishes a frame's
+// upper and lower sides from other straight edges near by.
 #pragma once
 
 #include <cstddef>
@@ -49,21 +49,21 @@ struct BothEnds {
 BothEnds find_both_ends(const GrayView& image, const BarField& field);
 
 // How far the bars' ends may be from where the layout has them in a frame of these corners, pixels:
-// templates round their margins, lenses bend, ends are blurred.
+// templates' margins are rounded, lenses bend lines, and ends are blurred.
 double ends_tolerance_px(const Quad& corners);
 
-// Whether the bars end above and below where the field has them end, to a pixel or two: a quick
-// look.
+// Whether the bars end above and below where the field has them end, within a pixel or two: a quick
+// check.
 bool bars_end_near(const GrayView& image, const BarField& field);
 
-// What the bars' ends say of a frame's upper and lower side.
+// What the bars' ends show about a frame's upper and lower side.
 struct EndsVerdict {
   enum Kind {
     suited,        // both are where the bars' ends have them, or show the frame's own stroke where
                    // these are hidden
-    other_layout,  // the bars end as far off above as below: the layout is none of the frame's
+    other_layout,  // the bars end as far off above as below: the layout is not that of the frame
     hidden,        // one is something else's edge: `corners` has it where the bars' ends put it
-    odd            // the bars end elsewhere, and no one side explains it, or nothing shows
+    odd            // the bars end elsewhere, which no single side explains, or no end is visible
   };
   Kind kind = odd;
   Quad corners{};
@@ -76,8 +76,8 @@ struct EndsVerdict {
 EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
                               const SymbolLayout& layout);
 
-// Whether a stroke like the frame's shows beyond the upper (0) or lower (2) side of a frame of
-// which that side was hidden: then it was something across the bars that was taken for their ends.
+// Whether a stroke like the frame's is visible beyond the upper (0) or lower (2) side of a frame of
+// which that side was hidden: then something across the bars was mistaken for their ends.
 bool is_stroke_beyond(const GrayView& image, const BarField& field, const SymbolLayout& layout,
                       std::size_t side);
 

@@ -38,7 +38,7 @@ float interpolated(const RowOf& row_of, float across, float down) {
   return (cubic_weights(across) * columns).sum();
 }
 
-// Beyond the image its border pixels continue.
+// Beyond the image its border pixels are repeated.
 float light_at(const SampledLight& light, PixelPoint at) {
   const double x = std::clamp(at.x, 0.0, light.width() - 1.0);
   const double y = std::clamp(at.y, 0.0, light.height() - 1.0);
@@ -53,7 +53,7 @@ float light_at(const SampledLight& light, PixelPoint at) {
   return interpolated(row_of, static_cast<float>(x - left), static_cast<float>(y - top));
 }
 
-// Whether all pixels that light_at takes are the image's.
+// Whether all pixels that light_at uses lie in the image.
 bool has_light_at(const SampledLight& light, PixelPoint at) {
   return at.x >= 1 && at.y >= 1 && at.x < light.width() - 2 && at.y < light.height() - 2;
 }
@@ -139,8 +139,8 @@ std::array<double, 2> inside(const GrayView& image, PixelPoint centre, PixelPoin
 
 namespace {
 
-// How far the bars lean from the frame's own `along`, radians: so that a thick line is sharpest.
-// Its rows are taken once and moved against each other by whole samples.
+// How far the bars lean from the frame's own `along`, radians: the lean with the sharpest thick
+// line. Its rows are sampled once and moved against each other by whole samples.
 double lean_of(SampledLight& light, const LineFrame& frame, double thickness) {
   constexpr double kDegree = std::numbers::pi / 180;
   const int rows = rows_of(thickness);
@@ -198,7 +198,7 @@ ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset,
 
 namespace {
 
-// How often a line turns dark; it may be off by what is not odd yet.
+// How often a line turns dark; differences below kProfile.odd count as noise.
 int count_of_bars(const std::vector<float>& darkness) {
   int bars = 0;
   bool was_dark = false;
@@ -211,8 +211,8 @@ int count_of_bars(const std::vector<float>& darkness) {
   return bars;
 }
 
-// What light_along() gives, to the whole grey level and as linear interpolation has it: a quick
-// look needs no more.
+// What light_along() gives, rounded to a grey level and interpolated linearly: that is enough for a
+// quick check.
 ScanLine roughly_along(const GrayView& image, const LineFrame& frame, double offset,
                        double thickness) {
   const ToneCurve& tone = ToneCurve::of(image);

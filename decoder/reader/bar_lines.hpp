@@ -32,8 +32,8 @@ LineFrame line_frame_for(SampledLight& light, const BarRegion& region);
 // length.
 ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset, double thickness);
 
-// Whether one of three lines across a region shows so many bars, of which a symbol has 30: a quick
-// look.
+// Whether one of three lines across a region shows at least so many bars, of which a symbol has 30:
+// a quick check.
 bool has_bars(const GrayView& image, const BarRegion& region, int least);
 
 }  // namespace tagsmith::detail

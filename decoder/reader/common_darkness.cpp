@@ -52,7 +52,7 @@ std::optional<RowStretch> fit_stretch(const RunningSums& a, const RunningSums& b
   const double even = ll - dl * dl / dd;
   const RowStretch evenly = stretch(-dl / dd, 0, even * w / (cells - 2));
   if (added == AddedLight::even) return evenly;
-  // Partial regression: what no gradient explains.
+  // Partial regression: what the gradient does not explain.
   const double xx = (b.xx - a.xx) / w - x * x;
   if (!(xx > 0)) return evenly;
   const double dx = (b.dx - a.dx) / w - d * x;
@@ -124,7 +124,7 @@ bool RowStretches::follows(const RowStretch& stretch) const {
                                 kProfile.model_variance * stretch.contrast * stretch.contrast;
 }
 
-// For each stretch of a row the one around its middle that follows best, if any does.
+// For each stretch of a row, the one near its middle that follows best, if any follows.
 void RowStretches::find_best(std::size_t row) {
   const std::size_t reach = reach_ / stride_;
   for (std::size_t here = 0; here < per_row_; ++here) {
@@ -218,12 +218,12 @@ struct Levels {
   float high = 0;
 };
 
-// Of the known values within `reach_modules` of every bin, farther inside at the ends, found once a
-// module.
+// Computed from the known values within `reach_modules` of every bin, farther inside at the ends,
+// once a module.
 std::vector<Levels> levels_near(const Values& values, std::size_t reach_modules,
                                 std::size_t per_module) {
   const std::size_t size = values.value.size(), reach = reach_modules * per_module;
-  // Of one length everywhere: a quiet zone and a guard alone show little black.
+  // The length is the same everywhere: a quiet zone and a guard alone show little black.
   const std::size_t length = std::min(size, 2 * reach + 1);
   std::vector<Levels> levels(size);
   std::vector<float> near;
@@ -313,8 +313,8 @@ CommonDarkness first_guess(const SymbolRows& rows) {
   return common;
 }
 
-// Rows are fitted to what they have in common and that is made of them again, which leaves its
-// level and contrast adrift: they are set anew from the elements near by.
+// Rows are fitted to their common darkness, and this is computed from the rows again. The level and
+// the contrast of it can drift, so both are set again from the elements near by.
 void anchor(std::vector<Agreed>& agreed, std::size_t per_module) {
   Values values;
   for (const Agreed& at : agreed) {

@@ -42,7 +42,7 @@ struct RowStretch {
 // A cell's darkness by the stretch around it that follows the common darkness best.
 struct Vote {
   float darkness = 0;
-  float weight = 0;  // inverse variance; 0 = none
+  float weight = 0;  // inverse variance; 0 = there is none
 };
 
 // The stretches of every row, one a module, fitted to the common darkness by least squares.
@@ -81,8 +81,8 @@ struct SettledRows {
   CommonDarkness common;
 };
 
-// Fits rows and what they have in common in turn, from the median of what a few rows at a time show
-// between their own white and black.
+// Fits the rows and their common darkness in turn, starting from the median of what a few rows at a
+// time show between their own white and black.
 SettledRows settle(const SymbolRows& rows, AddedLight added);
 
 }  // namespace tagsmith::detail

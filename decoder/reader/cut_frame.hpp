@@ -17,8 +17,9 @@ namespace tagsmith::detail {
 // is side 1; nothing for another outline.
 std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad);
 
-// What of a picture lies before an object that hides the side 1 of an outline: the rows or columns
-// up to it, and the outline where they end, both as if the picture's border cut the tag there.
+// The part of a picture in front of an object that hides side 1 of an outline: the rows or columns
+// up to the object, and the outline where they end, both as if the picture's border cut the tag
+// there.
 struct PictureBeside {
   GrayView view;
   PixelPoint first;  // the view's first pixel in the picture
@@ -29,14 +30,14 @@ struct PictureBeside {
 std::optional<PictureBeside> picture_beside(const GrayView& image, const Quad& outline);
 
 // The whole frame, of such a shape, of which a cut outline (pixels of the picture, side 1 on the
-// border) shows the sides 0, 2 and 3, as a camera that bends nothing sees it: corners 1 and 2 are
-// where they must be for the sides to be those of a rectangle of these proportions. Nothing where
-// no rectangle is seen so.
+// border) shows the sides 0, 2 and 3, as a camera without distortion sees it: corners 1 and 2 are
+// placed so that the sides are those of a rectangle of these proportions. Nothing where no
+// rectangle looks like this.
 std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
                                        const Camera& camera);
 
-// Fits the sides 0, 2 and 3 of a frame whose side 1 is out of the picture; that one stays. Nothing
-// where one of the three does not show.
+// Fits the sides 0, 2 and 3 of a frame whose side 1 is out of the picture; side 1 stays. Nothing
+// where one of the three is not visible.
 std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& corners,
                                           const FrameShape& shape);
 

@@ -67,7 +67,7 @@ class Overlay {
     write(canvas_, words, place, size, color, true);
   }
 
-  // Above the outline and its corners' letters; below where the picture ends there.
+  // Letters stand above the outline and its corners, or below where the picture ends there.
   void title(const std::array<PixelPoint, 4>& outline, const std::string& words,
              const cv::Scalar& color) {
     constexpr int kAbove = 26;  // pixels to the baseline: a letter reaches 18 above its corner

@@ -20,13 +20,14 @@ struct ExplainedSymbol {
   Digits digits{};  // read, or the best guess where it was refused
   std::optional<std::string> refusal;
   bool framed = true;
-  std::array<PixelPoint, 4> outline{};           // inner corners of the frame from P, or the bars
+  std::array<PixelPoint, 4> outline{};           // inner corners of the frame from P, or the bars'
+                                                 // outline
   std::vector<std::array<PixelPoint, 2>> lines;  // used: ends of the scanned part of the bars
   std::array<PixelPoint, kDigitCount> digit_places{};  // in the picture
   ScanProfile profile;
   std::vector<double> expected;  // darkness at the profile's places
-  // How much likelier each digit is than the next best one there, the others unchanged: decades,
-  // by the noise that the symbol leaves.
+  // How much likelier each digit is than the next best one there, with the others unchanged:
+  // decades, by the noise that the fit of the symbol leaves.
   std::array<double, kDigitCount> margins{};
   Decoding decoding;
   double module_px = 0;
@@ -38,7 +39,7 @@ struct Explanation {
   std::vector<Rejection> passed_over;
 };
 
-// Explains what a reader gave for an image, by what it measured itself.
+// Explains what a reader returned for an image, from the quantities that it measured.
 Explanation explain(const ReadResult& result);
 
 // The explanation drawn over the picture, with a panel for each symbol below: a PNG file's bytes.

@@ -77,13 +77,13 @@ void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnd
   const double above = -layout.bars_top / height, below = (1 - layout.bars_top) / height;
   framed.sides[0] = line_through(image_from_bars(0, above), image_from_bars(1, above));
   framed.sides[2] = line_through(image_from_bars(1, below), image_from_bars(0, below));
-  // From the bars' ends on, a quarter of their height farther.
+  // From the bars' ends, a quarter of their height farther out.
   framed.sigma_px[0] = std::hypot(1 - above, above) * std::max(upper.sigma_px, lower.sigma_px);
   framed.sigma_px[2] = framed.sigma_px[0];
 }
 
-// The same by looking for the ends around bars that were followed line by line, perhaps not over
-// all of their height.
+// The same for bars that were followed line by line, perhaps not over their full height: their ends
+// are searched around them.
 void look_for_ends(const GrayView& image, const LocatedBars& bars, const SymbolLayout& layout,
                    FramedBars& framed) {
   const double half = framed.block.height / 2;
@@ -129,7 +129,7 @@ struct Tolerances {
   double at_ends = 0;  // above and below
 };
 
-// Takes sides that are not where the bars say for something else: a cable has an edge too.
+// Takes sides that are not where the bars say as edges of something else, such as a cable.
 void doubt_strangers(const Quad& quad, const FramedBars& expected, const Tolerances& tolerances,
                      std::array<bool, 4>& shown) {
   for (std::size_t i = 0; i < 4; ++i) {
@@ -140,15 +140,15 @@ void doubt_strangers(const Quad& quad, const FramedBars& expected, const Toleran
   }
 }
 
-// The frame as one that is not covered is fitted, where all of its sides show: through an unknown
-// lens its sides bow.
+// The frame, fitted like one that is not covered, where all of its sides are visible: through an
+// unknown lens its sides are curved.
 RefinedFrame fitted_as_whole(const GrayView& image, const RefinedFrame& frame,
                              const LensGuess& lens, const FrameShape& shape) {
   if (!std::ranges::all_of(frame.shown, std::identity{})) return frame;
   return refine_frame(image, frame.corners, lens, shape).value_or(frame);
 }
 
-// Settles and fits the sides that show.
+// Settles and fits the sides that are visible.
 std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel& level,
                                       const Quad& rough, const FramedBars& in_full,
                                       const Tolerances& tolerances, const LensGuess& lens) {

@@ -11,15 +11,15 @@
 
 namespace tagsmith::detail {
 
-// The frame around bars that were located: these say where the left and right sides are (to half a
-// module or so), the picture where the upper and lower ones; each is then fitted if it shows there.
-// `half` is the image at half its size. Nothing where the upper or lower side does not show.
+// The frame around bars that were located: the bars give the left and right sides (to half a module
+// or so), the picture the upper and lower ones; each is then fitted if it is visible there. `half`
+// is the image at half its size. Nothing where the upper or lower side is not visible.
 std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView& half,
                                           const LocatedBars& bars, const SymbolLayout& layout,
                                           const LensGuess& lens = {});
 
-// The frame fitted anew around a symbol that was read: `expected` is where its bars put the frame's
-// corners, clockwise from P. Left and right sides that are not there are taken for hidden.
+// The frame fitted again around a symbol that was read: `expected` is where its bars put the
+// frame's corners, clockwise from P. Left and right sides that are not found there count as hidden.
 std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayView& half,
                                             const Quad& expected, const SymbolLayout& layout,
                                             double module_px, const LensGuess& lens = {});

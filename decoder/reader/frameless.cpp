@@ -42,7 +42,7 @@ double module_at(const ElasticAlignment& alignment, double place) {
 constexpr std::size_t kBins =
     static_cast<std::size_t>((kModuleCount + 2 * kProfile.beyond) * kBinsPerModule);
 
-// A line's darkness by module, straightened; not a number where the line does not reach.
+// A line's darkness by module, straightened; not a number beyond the line's ends.
 std::array<float, kBins> straightened(const ReadLine& line) {
   const double module = std::abs(place_of(line.reading.alignment).module);
   const std::vector<float> darkness = local_darkness(
@@ -66,7 +66,7 @@ std::array<float, kBins> straightened(const ReadLine& line) {
   return result;
 }
 
-// The lines' darkness together: at each place the mean of those that agree with their median.
+// The common darkness of the lines: at each place the mean of those that agree with their median.
 ScanProfile merged_profile(const std::vector<ReadLine>& lines) {
   std::vector<std::array<float, kBins>> rows;
   rows.reserve(lines.size());
@@ -239,7 +239,7 @@ std::optional<RejectionReason> objection_to(const FramelessReading& symbol,
   return std::nullopt;
 }
 
-// Every line aligned anew to what all lines say together.
+// Aligns every line again to the common darkness of all lines.
 std::vector<ReadLine> realigned(const RegionScan& scan, const Digits& digits) {
   std::vector<ReadLine> lines;
   for (const ReadLine& line : scan.lines) {
@@ -280,16 +280,16 @@ std::vector<std::array<PixelPoint, 2>> line_ends(const RegionScan& scan) {
   return ends;
 }
 
-// What a region's bars say, and what speaks against believing it.
+// What a region's bars say, and the reason for not believing it.
 struct ReadRegion {
   FramelessReading symbol;
   std::optional<RejectionReason> objection;
 };
 
-// Nothing where the bars are not much like a symbol.
+// Nothing where the bars do not look much like a symbol.
 std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& region,
                                       const ReadOptions& options) {
-  // Beyond these a refusal is not worth telling: any texture is explained by enough blur.
+  // Other regions are not worth a refusal in the report: enough blur explains any texture.
   const LineFrame frame = line_frame_for(image, region);
   auto first = first_line(image, frame, region, Wanted::digits);
   if (!first) return std::nullopt;
@@ -367,7 +367,8 @@ bool stands_in_any(const FramelessReading& symbol, const std::vector<Reading>& t
   return std::ranges::any_of(tags, [&](const Reading& tag) { return stands_in(symbol, tag); });
 }
 
-// Whether a framed symbol was refused for what makes a reading by the bars alone a guess too.
+// Whether a framed symbol was refused for a reason that makes a reading by the bars alone a guess
+// too.
 bool is_doubted(const Rejection& framed) {
   return framed.reason == RejectionReason::doubtful || framed.reason == RejectionReason::covered;
 }

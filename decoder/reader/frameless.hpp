@@ -20,9 +20,9 @@ inline FramelessResult read_frameless(const GrayView& image, const ReadOptions& 
   return read_frameless(picture, options);
 }
 
-// The result with what options.frameless asks for. A tag that was read by its frame is not given
-// again; one that its frame shows to be covered or doubtful is not believed by less: it joins those
-// that were rejected.
+// Adds to the result what options.frameless asks for. A tag that was read by its frame is not
+// returned again. A reading of one that its frame shows to be covered or doubtful is not believed
+// on less evidence: it joins those that were rejected.
 ReadResult with_frameless(SearchedImage& picture, const ReadOptions& options, ReadResult result);
 
 }  // namespace tagsmith::detail

@@ -17,7 +17,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// Whether the stroke of a side that was held for hidden shows elsewhere.
+// Whether the stroke of a side that was assumed hidden is visible elsewhere.
 bool has_misplaced_side(const GrayView& image, const SymbolHypothesis& symbol) {
   const auto is_misplaced = [&](std::size_t side) {
     if (symbol.frame.shown[side]) return false;
@@ -27,7 +27,7 @@ bool has_misplaced_side(const GrayView& image, const SymbolHypothesis& symbol) {
   return is_misplaced(0) || is_misplaced(2);
 }
 
-// What is told of a symbol that is believed.
+// The reading that reports a believed symbol.
 Reading reading_from(const GrayView& image, SymbolHypothesis symbol, const BothEnds& ends,
                      ReadingMethod method) {
   Reading reading;
@@ -114,9 +114,9 @@ bool is_symbol_like(const SymbolHypothesis& symbol) {
 
 namespace {
 
-// Whether bars are left of what the decoding says: half the elements of a symbol are one module
-// wide, and blurred by more than can be read any edge fits as bars do, so that only what fits well
-// says anything.
+// Whether bars are left of what the decoding says. Half the elements of a symbol are one module
+// wide; blurred beyond what can be read, any edge fits as well as bars do, so that only a good fit
+// is evidence.
 bool has_bars(const Decoding& decoding) {
   constexpr double kVanished = 1.5;  // modules of growth: an element's, and what blur adds to it
   const SymbolFit& fit = decoding.fit;

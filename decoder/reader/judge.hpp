@@ -12,44 +12,44 @@
 
 namespace tagsmith::detail {
 
-// What speaks against believing a symbol: the first test that failed, and by how much.
+// The reason for not believing a symbol: the first test that failed, and by how much.
 struct Objection {
   RejectionReason reason = RejectionReason::doubtful;
   double measured = 0;
   double limit = 0;
 };
 
-// What speaks against believing a symbol by what was decoded alone; nothing: that is in order.
+// The same by what was decoded alone; nothing if all its tests are passed.
 std::optional<Objection> objection_to(const Decoding& decoding, const ReadOptions& options);
 
 // Whether the upper or the lower half of the bars' height shows another symbol clearly: something
-// lies on part of the height, and what shows beside it may be no digit. `rows` run as they were
-// decoded.
+// covers part of the height, and the rest may show something that is no digit. `rows` run as they
+// were decoded.
 // Why: docs/decisions/0004-occlusion.md.
 bool halves_contradict(const RobustProfile& rows, const Decoding& decoding);
 
-// What speaks against believing a symbol that was read without regard to covers; nothing: it is
+// The reason for not believing a symbol that was read without regard to covers; nothing if it is
 // believed.
 std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolHypothesis& symbol,
                                             const ReadOptions& options);
 
 // What a frame holds, where that is believed: read carefully, or, before that, quickly where its
-// sides were found or completed by the bars since it was read last (`quickly_too`).
+// sides were found or completed by the bars since it was last read (`quickly_too`).
 std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
                                                     const RefinedFrame& frame,
                                                     const ReadOptions& options, bool quickly_too);
 
-// Whether the quick profile shows so much of a symbol that a careful one may read it.
+// Whether the quick profile shows enough of a symbol for a careful one to read it.
 bool is_symbol_like(const SymbolHypothesis& symbol);
 
 // Whether what is inside a frame may be a symbol that cannot be read: it is symbol-like, or its
-// bars are as dark as the frame and it explains half of the profile or has guard patterns; and what
-// growth and blur leave of its bars tells that. If not, the frame is no tag's: joints of bricks, a
-// grating on a plate, a cell of wire mesh.
+// bars are as dark as the frame and it explains half of the profile or has guard patterns, and
+// growth and blur leave enough of its bars for that to count. If not, the frame is no tag's: joints
+// of bricks, a grating on a plate, a cell of wire mesh.
 bool may_be_symbol(const SymbolHypothesis& symbol);
 
-// The symbol that is read for certain without the code book and is in none of its codes, where
-// there is one.
+// The symbol that is certain without the code book but is none of its codes, where there is a code
+// book.
 std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const RefinedFrame& frame,
                                                  const ReadOptions& options);
 
@@ -59,7 +59,7 @@ std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const Re
 std::optional<Reading> reading_where_bars_end(const GrayView& image, const SymbolHypothesis& symbol,
                                               const ReadOptions& options, ReadingMethod method);
 
-// What is told of a symbol that is not believed.
+// The rejection that reports a symbol which is not believed.
 Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection);
 
 }  // namespace tagsmith::detail

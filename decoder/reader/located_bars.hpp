@@ -26,7 +26,7 @@ struct LocatedBars {
   }
 };
 
-// Follows the bars of a region line by line; nothing where they are not much like a symbol.
+// Follows the bars of a region line by line; nothing where they do not look much like a symbol.
 std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region);
 
 }  // namespace tagsmith::detail

@@ -51,8 +51,8 @@ Loop loop_at(const GrayView& image, const FrameHomography& image_from_frame, dou
 
 double quantile_of(std::vector<double> values, double share) { return quantile(values, share); }
 
-// The level that a loop should show: of the places within a side's length the upper or lower part
-// of the middle, so that covers up to half of them do not count.
+// The level that a loop should show: from the places within a side's length, the upper or lower
+// part of the middle, so that covers over up to half of them do not count.
 void expect(Loop& loop, double share) {
   constexpr int kReach = kPerSide / 2, kStride = 4;  // places; of which every fourth
   const int size = static_cast<int>(loop.level.size());
@@ -115,7 +115,7 @@ bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
 }
 
 // Whether the light along a way through the unit square is as it should be nearly everywhere. `off`
-// tells by how much a level is not, this share of the way on.
+// returns by how much a level is not, this share of the way on.
 template <class Off>
 bool is_even_along(const GrayView& image, const FrameHomography& image_from_frame, PixelPoint begin,
                    PixelPoint end, double tolerance, const Off& off) {
@@ -172,7 +172,7 @@ constexpr int kWidest = kWidestElement * kPlacesPerModule;  // places
 
 // Places along the symbol, in the unit square, every half module and a little beyond the bars.
 std::vector<double> places_along(const SymbolLayout& layout) {
-  constexpr int kBeyond = 2;  // modules to either side of the bars
+  constexpr int kBeyond = 2;  // modules on either side of the bars
   std::vector<double> places;
   for (int k = -kBeyond * kPlacesPerModule; k < (kModuleCount + kBeyond) * kPlacesPerModule; ++k) {
     places.push_back(layout.width_share((k + 0.5) / kPlacesPerModule));
@@ -187,7 +187,7 @@ std::vector<double> levels_at(const GrayView& image, const FrameHomography& imag
   return levels;
 }
 
-// What is beside the ends of the bars: there the plate is all white, or all ink.
+// What is beside the ends of the bars: the plate there is all white, or all ink.
 enum class Beside { quiet_zone, stroke };
 
 // The light beside the ends of the bars.
@@ -209,15 +209,15 @@ void add_neighbours(Row& row, const GrayView& image, const FrameHomography& imag
   }
 }
 
-// By how much a level is not as it should be, which is between two others: white may be darker or
-// glare, ink only lighter.
+// By how much a level is outside the expected range, which is between two others: white may be
+// darker or glare, ink only lighter.
 double oddness(const Row& row, double level, double one, double other) {
   const auto [low, high] = std::minmax(one, other);
   return row.beside == Beside::stroke ? level - high : std::max({0.0, low - level, level - high});
 }
 
-// From which oddness on a place counts, as a share of the contrast. In ink less would be noise; two
-// modules of white show more, as long as bars of one module can be told.
+// The oddness from which a place counts, as a share of the contrast. In ink, less would be noise;
+// two modules of white show more, as long as bars of one module can be distinguished.
 double odd_from(const Row& row) {
   return row.beside == Beside::stroke ? kOccluder.odd_in_ink : kProfile.odd;
 }
@@ -229,8 +229,8 @@ bool is_clear(const Row& row) {
   });
 }
 
-// By how much a place of a row is not what it is around: neither like one side of it nor like the
-// other nor between. A shadow goes on to one side, and its edge is between light and shadow.
+// By how much a place of a row differs from its surroundings: it is neither like one side nor like
+// the other nor between. A shadow continues to one side, and its edge is between light and shadow.
 double oddness_at(const Row& row, int place) {
   constexpr int kAround = 2 * kNearModules * kPlacesPerModule;
   const double share = row.beside == Beside::stroke ? 0.15 : 0.7;
@@ -243,7 +243,7 @@ double oddness_at(const Row& row, int place) {
                  level_of(place - kAround, place + 1), level_of(place, place + kAround + 1));
 }
 
-// Where the row is not what it is around.
+// Where the row differs from its surroundings.
 std::vector<Crossing> crossings_of(const Row& row) {
   std::vector<Crossing> crossings;
   for (int i = 0; std::cmp_less(i, row.level.size()); ++i) {
@@ -263,16 +263,16 @@ PixelPoint place_in(const Row& row, int place) {
 
 bool is_much_broader(int broader, int broad) { return broader > 2 * broad + kPlacesPerModule; }
 
-// What crosses ink in one place may end in the other row within a highlight or a board: the part
-// of such a `broad` crossing that is straight above or below the `narrow` one.
+// An object that crosses ink in one row may end in the other within a highlight or a board: this is
+// the part of such a `broad` crossing that is straight above or below the `narrow` one.
 Crossing part_in_line(const Crossing& broad, const Crossing& narrow) {
   const int last = broad.begin + broad.count - narrow.count;
   return {std::clamp(narrow.begin, broad.begin, last), narrow.count};
 }
 
-// Whether what crosses a row here above and there below the bars may be one strip, broad enough to
-// hide some module over two thirds of the bars' height. `bars_share` is the bars' height over the
-// rows' distance.
+// Whether the crossings of a row above and a row below the bars may belong to one strip, broad
+// enough to hide some module over two thirds of the bars' height. `bars_share` is the bars' height
+// over the rows' distance.
 // Why: docs/decisions/0004-occlusion.md.
 bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_share) {
   const auto [broad, broader] = std::minmax(above.count, below.count);
@@ -309,7 +309,7 @@ bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, co
   return true;
 }
 
-// Where to ask for strips along the bars: two rows, from above which to below which they lead.
+// Where strips along the bars are searched: two rows, from above and below which they lead.
 struct Between {
   Beside beside;
   double v_above, v_below;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cables, pipes and boards across a tag, told by where they cross what is known beforehand.
+// Cables, pipes and boards across a tag, detected where they cross what is known beforehand.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace tagsmith::detail {
 // may lie outside of it.
 using Occluder = std::array<PixelPoint, 4>;
 
-// Whatever is straight, crosses the white between bars and frame (or the frame's stroke) twice, and
-// shows no bars on the way; strips_along_bars among them. The frame begins at P.
+// Straight objects that cross the white between bars and frame (or the frame's stroke) twice and
+// show no bars on the way; those of strips_along_bars are included. The frame begins at P.
 std::vector<Occluder> find_occluders(const GrayView& image, const RefinedFrame& frame,
                                      const SymbolLayout& layout);
 
@@ -29,7 +29,7 @@ struct HiddenWidth {
 HiddenWidth hidden_width(const Occluder& occluder, double v);
 
 // Straight objects along the bars that hide most of a module's height. Such an object changes a
-// digit alike in all rows, so the bars alone do not reveal it. It is found where it crosses the
+// digit alike in all rows, so the bars alone do not reveal it. It is detected where it crosses the
 // white above and below the bars; one as light as the plate, where it crosses the frame's stroke
 // above and below. Quick where white and stroke are clear. The frame begins at P.
 std::vector<Occluder> strips_along_bars(const GrayView& image, const RefinedFrame& frame,

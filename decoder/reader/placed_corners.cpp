@@ -21,8 +21,8 @@ namespace {
 
 using CornerVector = Eigen::Matrix<double, 8, 1>;
 
-// Where no end of the bars shows, only the stroke tells the upper and the lower side from other
-// edges, and an edge of light and shade may lie on it.
+// Where no end of the bars is visible, only the stroke distinguishes the upper and the lower side
+// from other edges, and an edge between light and shade may lie on it.
 PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show) {
   RefinedFrame frame = symbol.frame;
   if (!ends_show) {
@@ -49,7 +49,7 @@ CornerVector as_vector(const FrameCorners& corners) {
 using Places = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1>;
 using PlacesCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
 
-// How far outwards the bars see these places, pixels, beyond the frame as it was fitted.
+// How far outwards the bars put these places, pixels, beyond the frame as it was fitted.
 struct SeenOutwards {
   explicit SeenOutwards(Eigen::Index places)
       : by_bars(Places::Zero(places)),
@@ -63,7 +63,7 @@ struct SeenOutwards {
   bool ends_show = false;  // above or below
 };
 
-// Enters how a place moves outwards with the corners, a share of a side's length from its begin.
+// Enters how a place moves outwards with the corners; `share` of a side's length from its begin.
 void enter_place(Eigen::Index place, const SideLine& line, std::size_t side, double share,
                  SeenOutwards& seen) {
   const Eigen::RowVector2d outward{line.outward.x, line.outward.y};
@@ -104,10 +104,10 @@ void enter_half(const HeightShare& half, Eigen::Index first, const SymbolHypothe
       alike * by_displacement * bars.covariance * by_displacement.transpose();
 }
 
-// Variance of sides by the bars, pixels^2, by what is not known of a lens. A lens of the division
-// model moves what is t along the bars from their middle by lambda t^3 and by terms that shift,
-// stretch and bend take up. One that is not quite of its model moves along a frame twice as long as
-// high up to twice what it bows the longer sides.
+// Variance of sides by the bars, pixels^2, from what is unknown about a lens. A lens of the
+// division model displaces a point at t along the bars from their middle by lambda t^3 and by terms
+// that shift, stretch and bend absorb. A lens that differs slightly from its model displaces, along
+// a frame twice as long as high, by up to twice the bow of the longer sides.
 double lens_variance(const SymbolHypothesis& symbol) {
   const RefinedFrame& frame = symbol.frame;
   const double half_length = symbol.profile.module_px * kModuleCount / 2;
@@ -119,8 +119,8 @@ double lens_variance(const SymbolHypothesis& symbol) {
   return unseen * unseen + 4 * shape * shape;
 }
 
-// Enters the two ends of side 0 or 2 by where the bars end. What is not known of a lens turns that
-// line, too, so each end is unsure by itself as well.
+// Enters the two ends of side 0 or 2 by where the bars end. What is unknown about a lens turns that
+// line, too, so each end has an independent error as well.
 void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
                 const SymbolHypothesis& symbol, double by_lens, SeenOutwards& seen) {
   const SymbolLayout& layout = symbol.layout;
@@ -139,8 +139,8 @@ void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
       Eigen::Matrix2d::Identity() * (ends.sigma_px * ends.sigma_px + by_lens);
 }
 
-// Bars are off by what a frame's sides are off by beyond what noise explains, each side as a whole
-// and both its halves by themselves, and these by the lens.
+// Bars have the same unexplained errors as a frame's sides: a common one for each side as a whole,
+// one for each of its halves independently, and for the halves also that of the lens.
 void add_unexplained(double by_lens, SeenOutwards& seen) {
   const double alone = kCorner.side * kCorner.side + by_lens;
   for (Eigen::Index i = 0; i < 4; ++i) {
@@ -155,7 +155,7 @@ SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol,
                           const BothEnds& ends) {
   const auto rows = rows_of(image, symbol.frame, symbol);
   const auto& [field, upper, lower] = ends;
-  // A side that was hidden is where the ends have put it.
+  // A side that was hidden is already placed by the ends.
   const bool has_upper = upper && symbol.frame.shown[0], has_lower = lower && symbol.frame.shown[2];
   SeenOutwards seen(4 + (has_upper ? 2 : 0) + (has_lower ? 2 : 0));
   seen.ends_show = upper || lower;
@@ -168,8 +168,8 @@ SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol,
   return seen;
 }
 
-// What corners are moved by when the places are seen where the bars have them, and how much better
-// they are known then: least squares.
+// How corners move when the places are put where the bars have them, and how much better the
+// corners are known then: least squares.
 struct Correction {
   CornerVector moved;
   CornerCovariance gained;  // pixels^2, of their covariance
@@ -202,7 +202,7 @@ PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypoth
   if (!std::isfinite(found.chi_square)) return placed;
   const double excess = std::max(1.0, found.chi_square / static_cast<double>(seen.by_bars.size()));
   if (excess > kCorner.most_contradiction) {
-    // One of both is wrong: the frame stays, and where the bars have it is as likely.
+    // One of the two is wrong: the frame stays; the place that the bars give is as likely.
     const CornerVector apart =
         correction_by(seen, before, found.chi_square * placed.covariance).moved;
     placed.covariance = excess * placed.covariance + apart * apart.transpose();

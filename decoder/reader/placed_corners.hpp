@@ -18,11 +18,11 @@ struct PlacedCorners {
 // Where a symbol's bars end, in its frame as that was fitted.
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol);
 
-// By the frame's sides, by the bars of the upper and of the lower half of their height, which say
-// where the sides are that run beside them (59 edges, of which one half is moved by growth and blur
-// the other way than the other half), and by where the bars end (`bar_ends_of`). What these differ
-// by more than they should is added to the covariance; where they contradict the frame, its corners
-// stay. Why: docs/decisions/0007-corner-covariance.md.
+// From the frame's sides, from the bars of the upper and of the lower half of their height, which
+// give the sides that run beside them (59 edges, of which one half is moved by growth and blur in
+// the opposite direction to the other half), and from where the bars end (`bar_ends_of`).
+// Differences between these beyond the expected are added to the covariance; where they contradict
+// the frame, its corners stay. Why: docs/decisions/0007-corner-covariance.md.
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
                                        const BothEnds& ends);
 

@@ -27,9 +27,8 @@ struct RefusedFrame {
   std::size_t hypothesis = 0;
 };
 
-// A place where a tag may be, to be considered at once: its level's pixels may be gone when the
-// proposer returns. Bars are those of a frame that does not show, in pixels of the full
-// image.
+// A place where a tag may be, to be considered at once: its level's pixels may be freed when the
+// proposer returns. Bars are those of a frame that is not visible, in pixels of the full image.
 using Proposal = std::variant<Outline, RoughFrame, RefusedFrame, BarRegion>;
 
 }  // namespace tagsmith::detail

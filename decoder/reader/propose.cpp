@@ -17,9 +17,9 @@
 namespace tagsmith::detail {
 namespace {
 
-// Changes of colour that are followed in a level: so many that a tag's own are not missed in a
-// small picture, and one for so many of its pixels in a large one. Coarse levels are
-// searched whole; what they show is left out of the finer ones.
+// Colour changes that are followed in a level: enough that a tag's own are not missed in a small
+// picture, and one per so many of its pixels in a large one. Coarse levels are searched whole; what
+// they show is left out of the finer ones.
 std::size_t max_changes(const PyramidLevel& level) {
   const std::size_t per_change = level.scale == 1 ? 60 : level.scale == 2 ? 20 : 3;
   const auto pixels =
@@ -87,8 +87,8 @@ class ExpectedSurroundings {
   std::vector<PyramidLevel> levels_;
 };
 
-// The outlines of a level, or, with `join_pieces`, of pairs of its regions too, that may be feature
-// frames; those in the tiles `searched` alone where these are given (null = all).
+// The outlines of a level, or, with `join_pieces`, also of pairs of its regions, that may be
+// feature frames; only those in the tiles `searched` where these are given (null = all).
 void propose_outlines(const SearchContext& search, const PyramidLevel& level,
                       const TileMask* searched, bool join_pieces) {
   CandidateOptions options;
@@ -130,8 +130,8 @@ void propose_frame_around(SearchContext& search, const PyramidLevel& level, cons
   if (const auto quad = frame_around(level.image, region)) search.consider(Outline{level, *quad});
 }
 
-// Frames around the bars of a level that no reading explains. Bars that run off the picture are
-// part of a symbol: not looked at where others are read.
+// Frames around the bars of a level that no reading explains. Bars that the picture's border cuts
+// are part of a symbol: they are not used where others are read.
 void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
   const PyramidLevel& fine = search.picture.pyramid().scaled_down(2).level;
   for (const BarRegion& found :
@@ -199,7 +199,7 @@ void propose_around_bars(SearchContext& search) {
   if (search.symbols.empty() && search.found.has_read_any()) return;
   propose_frames_around(search, pyramid.scaled_down(2));
   if (search.found.has_read_any()) return;
-  // Bars of about a pixel a module show in the full size alone.
+  // Bars with modules of about one pixel are visible only at full size.
   for (const BarRegion& region : search.picture.bars()) {
     if (region.length > kSearch.largest_frame) continue;
     propose_frame_around(search, pyramid.levels().back().level, region);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where in a picture tags may be. A proposer has the places that it finds considered one by one, so
-// that what is read in one is known before it looks for the next. To add one, write a function
-// here and name it in a list of reader.cpp; what it is to know from the caller is a member of
+// that the result at one place is known before it looks for the next. To add one, write a function
+// here and name it in a list of reader.cpp; what it needs to know from the caller is a member of
 // ReadOptions.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace tagsmith::detail {
 struct SearchContext {
   SearchedImage& picture;
   const ReadOptions& options;
-  const TagHypotheses& found;                     // what came of the proposals so far
+  const TagHypotheses& found;                     // the results of the proposals so far
   std::function<void(const Proposal&)> consider;  // reads a tag there, if there is one
   bool is_searched = false;                       // the whole picture, for outlines
   // Bars that look like a symbol and that no reading explains so far, in pixels of the full image.
@@ -35,7 +35,7 @@ void propose_expected(SearchContext& search);
 // Outlines near bars, all over the picture where the options ask for that.
 void propose_near_bars(SearchContext& search);
 
-// Frames whose outline does not show as one piece, by the bars inside.
+// Frames whose outline is not visible in one piece, found by the bars inside.
 void propose_around_bars(SearchContext& search);
 
 // Outlines joined of two pieces, around bars or, where nothing was read, everywhere.

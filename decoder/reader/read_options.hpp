@@ -49,8 +49,8 @@ struct ReadOptions {
   std::vector<ExpectedTag> expected;
   Search search = Search::when_missing;
   // The camera that took the picture, of the picture's size: the corners are as exact under a lens
-  // that bends straight lines as under any other. Without, a frame's own sides tell how its lens
-  // bends them, as far as a radial distortion about the picture's middle does.
+  // that bends straight lines as under any other. Without it, the distortion is estimated from a
+  // frame's own sides, as far as it is radial about the picture's middle.
   std::optional<Camera> camera;
   // Which check digit a reading must satisfy; nothing = either (the reading says which held).
   std::optional<CheckDigit> check;
@@ -59,9 +59,9 @@ struct ReadOptions {
   // Codes that exist (the survey's). When not empty, only these are returned, and reading works at
   // lower resolution.
   std::vector<Digits> code_book;
-  // Codes that are likely where others are possible: what is refused as any code is read again as
-  // one of these, in the frame that was found, without a frame nothing else is read, and tags of
-  // which a part is in sight are read as one of these.
+  // Codes that are likely where others are possible: what is refused when any code is allowed is
+  // read again as one of these, in the frame that was found. Without a frame only these are read,
+  // and tags of which a part is in sight are read as one of these.
   std::vector<Digits> likely_codes;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
@@ -74,14 +74,14 @@ struct ReadOptions {
   bool tell_passed_over = false;
 };
 
-// ---- What a survey tells the reader: how to read its tags, and which of them should be in a
+// ---- What a survey gives the reader: how to read its tags, and which of them should be in a
 // picture.
 
 // How to read the tags of these surveys: their templates' layouts, their codes as the code book,
 // and their check digit where they agree on one.
 ReadOptions read_options_for(std::span<const Survey> surveys);
 
-// The same of surveys that lie apart; none is copied.
+// The same for surveys that lie apart; none is copied.
 ReadOptions read_options_of(std::span<const Survey* const> surveys);
 
 // ---- Tags that should be in a picture, known beforehand.

@@ -32,8 +32,8 @@ namespace tagsmith::detail {
 
 namespace {
 
-// Which rows a profile is made of: those that agree, or, where dirt lies on them, all by their own
-// light.
+// Which rows a profile is made of: those that agree, or, where there is dirt on them, all, each
+// with its own light.
 enum class RowsTaken { agreeing, all };
 
 SymbolProfile profile_of(const RobustProfile& rows, RowsTaken taken) {
@@ -41,8 +41,8 @@ SymbolProfile profile_of(const RobustProfile& rows, RowsTaken taken) {
                                       : rows.of_all_rows(AddedLight::even);
 }
 
-// A part while it is being read. The frame's corner 0 is taken for P; the symbol runs along side 0,
-// or from its other end.
+// A part while it is being read. The frame's corner 0 is treated as P; the symbol runs along side
+// 0, or from its other end.
 struct Part {
   RefinedFrame frame;
   SymbolLayout layout;
@@ -52,16 +52,16 @@ struct Part {
   PartDecoding decoding{};
 };
 
-// The picture's camera, as far as it is known: elsewise one with a usual lens.
+// The picture's camera if it is known, otherwise one with a usual lens.
 Camera camera_for(const GrayView& image, const ReadOptions& options) {
   if (options.camera) return *options.camera;
   const double focal_length = kPart.usual_focal * std::max(image.width, image.height);
   return camera_from_sensor(image.width, image.height, focal_length, image.width, image.height);
 }
 
-// The profile when the symbol is so many times as long as the frame says that was cut out of the
-// picture: that frame's side 3 is where it should be, and so is where its upper and lower sides
-// meet.
+// The profile when the symbol is `by` times as long as the frame says that was cut out of the
+// picture: that frame's side 3 is in its place, and so is the point where its upper and lower
+// sides meet.
 ScanProfile stretched(ScanProfile profile, double by, const SymbolLayout& layout) {
   const double quiet = layout.quiet_zone_modules;
   for (ScanBin& bin : profile) bin.at = (bin.at + quiet) / by - quiet;
@@ -83,8 +83,8 @@ struct SeenModule {
   double variance = 0;
 };
 
-// Where the far side of the frame is seen by the bars of a profile that runs from its side 3 on,
-// hardly bent, because the frame's sides tell how it is foreshortened.
+// Where the bars of a profile that runs from side 3 on put the far side of the frame. It is hardly
+// bent, because the frame's sides give its foreshortening.
 SeenModule seen_far_side(const ScanProfile& from_side, const Decoding& decoding,
                          const SymbolLayout& layout) {
   const double quiet = layout.quiet_zone_modules;
@@ -109,7 +109,7 @@ ScanProfile certain_places(ScanProfile profile, const PartDecoding& part) {
   return profile;
 }
 
-// The frame's far side as the bars of the upper and the lower half of their height have it.
+// The frame's far side as given by the bars of the upper and the lower half of their height.
 struct FarSide {
   PixelPoint upper, lower;            // on it
   double sigma_px = 0;                // of each, along the symbol
@@ -166,8 +166,8 @@ std::optional<Part> read_anew(const GrayView& image, const Quad& corners,
   return part;
 }
 
-// Lengths of the symbol against the frame's, up to so many steps longer and shorter; first those at
-// which the guard patterns in sight are explained best.
+// Lengths of the symbol against the frame's, up to so many steps longer and shorter; first those
+// whose guard patterns in sight are explained best.
 std::vector<double> likely_lengths(const SymbolProfile& profile, const SymbolLayout& layout,
                                    int steps) {
   std::vector<std::pair<double, double>> by_guards;
@@ -185,7 +185,7 @@ std::vector<double> likely_lengths(const SymbolProfile& profile, const SymbolLay
   return lengths;
 }
 
-// How many of the plates that look like a part with so many digits in sight are strangers.
+// How many plates of no survey look like a part with so many digits in sight.
 double alike_strangers(std::ptrdiff_t digits, const ReadOptions& options) {
   return kOdds.strangers * static_cast<double>(options.code_book.size()) /
          std::pow(10, static_cast<double>(digits));
@@ -250,7 +250,7 @@ bool bars_end_right(const GrayView& image, const Part& part) {
   return bars_end_near(image, {shown, first, 1, layout.bars_top, layout.bars_bottom});
 }
 
-// Whether something lies along the bars over all of their height: it may turn a digit into another.
+// Whether something lies along the bars over all of their height: it may change a digit to another.
 bool is_crossed(const GrayView& image, const Part& part) {
   const double end = width_in_sight(part);
   const auto strips = strips_along_bars(image, part.frame, part.layout);
@@ -260,7 +260,7 @@ bool is_crossed(const GrayView& image, const Part& part) {
   });
 }
 
-// Whether what is in sight is certain, and so much that few strangers look alike.
+// Whether what is in sight is certain, and enough that few plates of no survey look alike.
 bool is_certain(const PartDecoding& part, const ReadOptions& options) {
   return alike_strangers(std::ranges::count(part.certain, true), options) < kPart.most_alike &&
          !objection_to(part.decoding, options);
@@ -398,7 +398,8 @@ CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto covered = best_in_sight(image, frame, options, added);
     if (!covered || covered->decoding.decoding.fit.explained < kJudge.like_symbol) break;
-    // Uncertain digits leave no more doubt than they may; what is left contradicts.
+    // Uncertain digits add no more than their limit to the doubt; a doubt above it is a
+    // contradiction.
     reading.is_contradicted |= covered->decoding.decoding.doubt.misprints > kOdds.near_stranger;
     if (std::ranges::all_of(covered->decoding.certain, std::identity{})) break;
     if (!is_certain(covered->decoding, options)) continue;

@@ -18,15 +18,15 @@
 namespace tagsmith::detail {
 
 // Reads the part in sight of a tag whose outline (to a pixel or two) has its side 1 on the
-// picture's border. Nothing where what is in sight is not certainly that of a code of the book, or
-// too little of it, or the camera's lens bends what is straight.
+// picture's border. Nothing where what is in sight does not certainly belong to a code of the book,
+// or too little is in sight, or the camera's lens bends straight lines.
 std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
                                      const ReadOptions& options);
 
 // A symbol in a whole frame, of which something hides digits.
 struct CoveredReading {
-  // Nothing where what is in sight is not certainly that of a code of the book, or too little of
-  // it, or the bars end elsewhere than in this frame.
+  // Nothing where what is in sight does not certainly belong to a code of the book, or too little
+  // is in sight, or the bars end elsewhere than in this frame.
   std::optional<PartReading> part{};
   bool is_contradicted = false;  // a digit in sight is none of the likeliest code's
 };
@@ -34,8 +34,8 @@ struct CoveredReading {
 CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
                             const ReadOptions& options);
 
-// ---- Tags of one picture of which a part is in sight: noted while whole ones are searched, read
-// where none was.
+// ---- Tags of one picture of which a part is in sight: noted during the search for whole tags,
+// read where no whole tag was read.
 
 // Does nothing without codes to compare with. Why: docs/decisions/0025-parts-of-tags.md.
 class PartSearch {
@@ -55,7 +55,7 @@ class PartSearch {
   // Reads what was cut by the border and noted since the last call.
   void read_cut(const GrayView& image, const IsRead& is_read);
 
-  // Keeps a frame of which the begin or the end may be the edge of what hides the rest.
+  // Keeps a frame whose begin or end may be the edge of the object that hides the rest.
   void note_hidden_end(const GrayView& image, const Quad& frame);
 
   // Reads what is in sight inside of a refused frame.

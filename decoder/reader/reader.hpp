@@ -14,11 +14,11 @@ namespace tagsmith::detail {
 // All tags in the image, whatever their rotation and perspective, and what was refused and why.
 ReadResult read_tags(const GrayView& image, const ReadOptions& options = {});
 
-// The same in two steps, for a caller who may know after the first that the second, which can take
-// many times as long, is not needed. The image must outlive it.
+// The same in two steps, for a caller who may know after the first that the second is not needed;
+// it can take many times as long. The image must outlive the reader.
 class TagSearch {
  public:
-  // Reads the tags whose frames stand out whole: where they are expected, and all over the image as
+  // Reads the tags whose frames are seen whole: where they are expected, and all over the image as
   // `options.search` says.
   TagSearch(const GrayView& image, const ReadOptions& options);
   TagSearch(TagSearch&&) noexcept;

@@ -53,7 +53,7 @@ std::string describe(RejectionReason reason) {
     case RejectionReason::frame_fault:
     case RejectionReason::stranger:
     case RejectionReason::paper_step:
-      break;  // said with what was found
+      break;  // describe(const Rejection&) says these with what was found
   }
   return {};
 }

@@ -44,7 +44,7 @@ struct Reading {
 // Why something that looks like a tag was not read.
 enum class RejectionReason {
   frame_fault,     // its outline is no feature frame: Rejection::fault
-  side_hidden,     // the symbol is read, but does not stand in the frame as the layout has it
+  side_hidden,     // the symbol is read, but its place in the frame is not that of the layout
   no_guards,       // nothing like guard patterns where they should be
   guard_pattern,   // too little of the guard patterns is explained
   element_widths,  // too little of the bars is explained
@@ -95,11 +95,12 @@ struct FramelessReading {
   Decoding decoding{};                             // of the profile
 };
 
-// Bars that are much like a symbol and were not read, and why.
+// Bars that look much like a symbol and were not read, and why.
 struct FramelessRejection {
   RejectionReason reason = RejectionReason::doubtful;
   FramelessReading symbol{};   // the best guess
-  bool bars_are_sure = false;  // its frame, which was refused for this, is what makes it a guess
+  bool bars_are_sure = false;  // the reason for which its frame was refused is what makes it a
+                               // guess
 };
 
 std::string describe(const FramelessRejection& rejection);

@@ -17,7 +17,7 @@ SymbolPlace place_of(const ElasticAlignment& alignment) {
 
 namespace {
 
-// For a first line; the others are made where one was found.
+// Used for the first line; the others are made only after one was found.
 const BarLook& plain_look() {
   static const BarLook look{BarShape{}, BarTemplates(BarShape{})};
   return look;
@@ -53,7 +53,7 @@ std::optional<ElasticReading> read_line(const PlacedLine& line, const BarTemplat
   return reading;
 }
 
-// The look of the bars that suits the line best, and its reading so.
+// The look of the bars that suits the line best, and its reading with that look.
 const BarLook& best_look(ReadLine& line, Wanted wanted) {
   const SymbolPlace place = place_of(line.reading.alignment);
   const BarLook* best = &plain_look();

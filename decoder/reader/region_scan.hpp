@@ -35,7 +35,7 @@ struct RegionScan {
   std::vector<ReadLine> lines;
 };
 
-// What is wanted of a line: where its symbol lies, or its digits too, which takes twice as long.
+// What is read from a line: where its symbol lies, or its digits too, which takes twice as long.
 enum class Wanted { alignment, digits };
 
 // Modules of an alignment's boundaries.
@@ -49,8 +49,8 @@ SymbolPlace place_of(const ElasticAlignment& alignment);
 std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
                                    const BarRegion& region, Wanted wanted);
 
-// Reads some lines of the region (kBarLines.lines) from the first one outwards, each where its
-// neighbour was, by the look of the bars that suits the first one best.
+// Reads some lines of the region (kBarLines.lines) from the first one outwards, each at the place
+// of its neighbour, with the look of the bars that suits the first one best.
 RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
                        ReadLine first, Wanted wanted);
 

@@ -124,7 +124,7 @@ float median_of(const DarkRows& rows, Eigen::Index bin, std::vector<float>& seen
   return quantile(seen, 0.5);
 }
 
-// What changes before each bin, and behind the last one: nothing beside the first and the last.
+// What changes before each bin, and behind the last one: zero beside the first and the last.
 Bins changes_of(const Bins& values) {
   const Eigen::Index size = values.size();
   Bins changes = Bins::Zero(size + 1);
@@ -135,7 +135,7 @@ Bins changes_of(const Bins& values) {
 Consensus consensus_of(const DarkRows& rows, const PixelSums& all) {
   Consensus consensus;
   consensus.place = all.place / all.count;
-  // Where all rows show nearly the same, the mean, which is quicker.
+  // Where all rows show nearly the same, this is the mean, which is quicker.
   consensus.median = all.darkness / all.count;
   Cells shown = rows.darkness;
   for (Eigen::Index row = 0; row < shown.cols(); ++row) {
@@ -168,7 +168,7 @@ Cells differences(const DarkRows& rows, const Consensus& consensus) {
 // Variance of one pixel's darkness: from the median of what cells are off.
 double pixel_variance(const DarkRows& rows, const Cells& off) {
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
-  constexpr Eigen::Index kEvery = 4;     // bins: some 2,000 cells tell it to 3 %
+  constexpr Eigen::Index kEvery = 4;     // bins: some 2,000 cells determine it to 3 %
   std::vector<float> squares;
   for (Eigen::Index row = 0; row < off.cols(); ++row) {
     for (Eigen::Index bin = 0; bin < off.rows(); bin += kEvery) {
@@ -180,15 +180,15 @@ double pixel_variance(const DarkRows& rows, const Cells& off) {
   return std::max(kModelVariance, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
 }
 
-// The cells that are farther off than noise and shading allow.
+// The cells that differ by more than noise and shading allow.
 CellFlags odd_cells(const DarkRows& rows, const Consensus& consensus, const Cells& off,
                     double variance) {
   const Cells beyond = (off.abs().colwise() - consensus.tolerated).max(0.0F);
   return beyond.square() * rows.count > static_cast<float>(kBeyondNoise * kBeyondNoise * variance);
 }
 
-// Marks what lies in front of a row. An occluder disagrees in spaces, if it is dark, and on bars,
-// if it is light: its stretch of the row is what lies between odd cells that stand close.
+// Marks what lies in front of a row. A dark occluder disagrees in spaces, a light one on bars: its
+// stretch of the row is what lies between differing cells that are close together.
 void mark_covers(const DarkRows& rows, const std::vector<Eigen::Index>& odd, int per_module,
                  CellFlags::ColXpr covered) {
   const auto bin = [&](std::size_t k) { return rows.bins[static_cast<std::size_t>(odd[k])]; };
@@ -221,9 +221,9 @@ CellFlags covered_cells(const DarkRows& rows, const CellFlags& odd, int per_modu
   return covered;
 }
 
-// The bins' rows by state.
+// The bins' rows by state; a cell is odd where it differs from what the rows agree on.
 struct RowsByState {
-  PixelSums clear;    // neither odd nor covered
+  PixelSums clear;    // not odd, not covered
   PixelSums even;     // not odd
   PixelSums covered;  // odd or not
   Bins odd;           // pixels
@@ -290,8 +290,8 @@ ScanBin bin_of(const SymbolRows& symbol, const Consensus& consensus, const RowsB
     return {symbol.module_of(static_cast<double>(consensus.place[bin])),
             static_cast<double>(consensus.median[bin]), kHiddenVariance, 0};
   }
-  // Where the height disagrees with itself the median may have taken the wrong side: the doubt
-  // grows from nothing at full agreement to the whole contrast where half disagrees.
+  // Where the rows over the height disagree, the median may have taken the wrong side: the doubt
+  // grows from zero at full agreement to the whole contrast where half disagrees.
   const double doubt = std::min(1.0, 2 * odd / (odd + count));
   return {symbol.module_of(static_cast<double>(used.place[bin]) / count),
           static_cast<double>(used.darkness[bin]) / count,
@@ -324,7 +324,7 @@ ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& level
 
 namespace {
 
-// Distance in the image between bars that are a unit apart, by which a module's width goes.
+// Distance in the image between bars that are one unit apart, which determines a module's width.
 // Why: docs/decisions/0002-likelihood-decoding.md.
 double width_across(const FrameHomography& image_from_frame, double u) {
   constexpr double kStep = 1e-3;
@@ -362,7 +362,7 @@ double pixel_across(const SymbolRows& rows) {
 }
 
 // Standard deviation of the point spread across the bars, pixels, without a pixel of this width; at
-// least half of what it is with one. `sides`: of a frame turned to P.
+// least half of the value with one. `sides`: of a frame turned to P.
 double blur_across(const std::array<FrameSide, 4>& sides, double pixel) {
   const double blur = (sides[1].blur_px + sides[3].blur_px) / 2;
   return std::sqrt(std::max(blur * blur - pixel * pixel / 12, blur * blur / 4));
@@ -408,7 +408,7 @@ ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed
 }
 
 // First and last height of the rows that are used of a part of the bars' height, shares of the
-// frame's: where the frame's blur or its corners' error may reach, the bars' ends are not.
+// frame's: the bars' ends, which the frame's blur and its corners' error may reach, are left out.
 std::array<double, 2> used_heights(HeightShare part, const SymbolLayout& layout) {
   const double bars = layout.bar_height();
   return {layout.bars_top + std::max(part.begin, kProfile.ends) * bars,
@@ -426,7 +426,7 @@ PlateLevels levels_of(const RefinedFrame& frame) {
           {upper.black_begin, upper.black_end, lower.black_begin, lower.black_end}};
 }
 
-// The same of a plate of this white everywhere, whose ink reflects as much of it as before.
+// The same for a plate of this white everywhere, whose ink reflects as much of it as before.
 PlateLevels even_levels(const RefinedFrame& frame, double white) {
   PlateLevels levels = levels_of(frame);
   const double black = std::accumulate(levels.black.begin(), levels.black.end(), 0.0);
@@ -481,7 +481,7 @@ SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
   SymbolRows rows = rows_in_sight(image_, frame_, rows_.layout);
   if (white_) evened(frame_, rows);
-  // What a highlight bleaches is plain too: there its rows' own light decides.
+  // A part that a highlight bleaches is plain too: there its rows' own light decides.
   if (added == AddedLight::even) leave_out_plain(rows);
   return finished(profile_of(rows, settle(rows, added).agreed), rows);
 }

@@ -24,8 +24,8 @@ struct PlateLevels {
   std::array<double, 4> black{};
 };
 
-// For each bin the mean darkness of the rows of a part of the frame's inner height that are near
-// their median, with what the others make doubtful.
+// For each bin the mean darkness of those rows, of a part of the frame's inner height, that are
+// near their median, with the doubt that the other rows cause.
 ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
                                 double bottom);
 
@@ -36,7 +36,7 @@ struct SymbolProfile {
   double module_px = 0;  // width of a module in the middle of the frame
   double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
   double pixel = 0;      // width of a pixel across the bars, modules: beside it
-  bool is_evened = false;  // shadows on the plate are (uneven_light.hpp)
+  bool is_evened = false;  // shadows on the plate were evened out (uneven_light.hpp)
 };
 
 // A part of the bars' height, from the upper end of the bars (0) to the lower one (1).
@@ -53,7 +53,7 @@ double middle_height(HeightShare part, const SymbolLayout& layout);
 // Shadows on the plate are evened out first where that is asked for.
 class RobustProfile {
  public:
-  // The frame's first corner is taken for P. The image must outlive it.
+  // The frame's first corner is treated as P. The image must outlive it.
   RobustProfile(const GrayView& image, const RefinedFrame& frame, const SymbolLayout& layout,
                 bool even_out_light = false);
 
@@ -61,11 +61,11 @@ class RobustProfile {
   // the rows that are near their median. Quick.
   SymbolProfile of_agreeing_rows(HeightShare part = {}) const;
 
-  // Where they do not. What is common to the rows is sought together with each row's own local
-  // white and contrast (about ten modules long), so that glare, shadows and thin dust only lessen a
-  // row's weight; stretches of rows that do not follow the others, and occluders across the tag
-  // (find_occluders), do not count at all. Places that no row shows get a variance that says
-  // nothing.
+  // Where they do not. The darkness common to the rows is determined together with each row's own
+  // local white and contrast (about ten modules long), so that glare, shadows and thin dust only
+  // lessen a row's weight; stretches of rows that do not follow the others, and occluders across
+  // the tag (find_occluders), do not count at all. Places that no row shows get a variance so large
+  // that they carry no information.
   SymbolProfile of_all_rows(AddedLight added) const;
 
   const SymbolLayout& layout() const { return rows_.layout; }

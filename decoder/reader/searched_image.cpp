@@ -36,7 +36,7 @@ void SampledLight::make_rows(int first, int last) {
 // ---- Levels.
 
 Pyramid::Pyramid(const GrayView& image) {
-  // Noise halves from level to level, and with it the contrast that stands out from it.
+  // Noise halves from level to level, and so does the smallest contrast that is visible above it.
   constexpr std::array<int, 3> kContrasts{20, 12, 7};
   add({image, 1, kContrasts[0]});
   while (levels_.size() < 3 ||

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One picture and what all who look for tags and bars in it share: its light, its levels, its bars.
+// One picture and what all searches for tags and bars in it share: its light, its levels, its bars.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@
 
 namespace tagsmith::detail {
 
-// ---- The light that a picture's grey levels stand for, for those who sample much of it.
+// ---- The light of a picture's grey levels, for functions that sample much of it.
 
-// The light (0-1, of the sRGB tone curve) of an image's pixels, row by row, each row made when it
-// is first wanted. The image's samples must outlive it.
+// The light (0-1, of the sRGB tone curve) of an image's pixels, row by row, each row computed when
+// it is first used. The image's samples must outlive it.
 class SampledLight {
  public:
   explicit SampledLight(const GrayView& image);
@@ -26,17 +26,17 @@ class SampledLight {
   int width() const { return image_.width; }
   int height() const { return image_.height; }
 
-  // Makes the rows from `first` to `last`, as far as there are such.
+  // Computes the rows from `first` to `last`, as far as the image has them.
   void make_rows(int first, int last);
 
-  // A row that was made.
+  // A row that was computed.
   const float* row(int y) const {
     return light_.get() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width);
   }
 
  private:
   GrayView image_;
-  std::unique_ptr<float[]> light_;  // of all rows, once one was wanted
+  std::unique_ptr<float[]> light_;  // of all rows, once one was used
   std::vector<bool> made_;
 };
 
@@ -72,7 +72,7 @@ class Pyramid {
 
 // ---- The picture.
 
-// One picture and what all who look for tags and bars in it share, made when it is first wanted.
+// One picture and what all searches for tags and bars in it share, computed when it is first used.
 // The image's samples must outlive it.
 class SearchedImage {
  public:

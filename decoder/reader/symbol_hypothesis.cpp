@@ -44,8 +44,8 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
   return best;
 }
 
-// By how many pixels the frame's strokes are thicker than the layout says, as far as they are thin
-// enough to be fitted by both of their edges.
+// By how many pixels the frame's strokes are thicker than the layout says, if they are thin enough
+// for both of their edges to be fitted.
 std::vector<double> stroke_growths(const SymbolHypothesis& symbol) {
   const Quad& corners = symbol.frame.corners;
   const FrameHomography map(corners, symbol.frame.lens);
@@ -59,8 +59,8 @@ std::vector<double> stroke_growths(const SymbolHypothesis& symbol) {
     const SideLine side = side_of(corners, i, shape);
     const double nominal =
         (dot(begins[i] - side.begin, side.outward) + dot(ends[i] - side.end, side.outward)) / 2;
-    // The fit looks a little beyond the outer edge of a stroke as thick as the side's proportions
-    // say.
+    // The fit looks a little beyond the outer edge of a stroke whose thickness follows from the
+    // side's proportions.
     const bool is_seen = side.stroke < kSharpening.thin_stroke && nominal < side.stroke + 1;
     if (is_seen) growths.push_back(symbol.frame.sides[i].stroke_px - nominal);
   }
@@ -113,7 +113,7 @@ std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& opt
   };
   auto as_seen = best(false);
   const auto explained = [](const auto& symbol) { return symbol->decoding.fit.explained; };
-  // No other light could tell more of it.
+  // No other light could explain more of it.
   if (as_seen && explained(as_seen) > kJudge.explained && is_beyond_doubt(as_seen->decoding)) {
     return as_seen;
   }
@@ -187,7 +187,7 @@ BlackGrowth growth_of(const SymbolHypothesis& symbol) {
 FrameCorners corners_of(const SymbolHypothesis& symbol) {
   const RefinedFrame& frame = symbol.frame;
   FrameCorners corners = widened(frame.corners, growth_of(symbol).px / 2);
-  // The bars say better where a hidden side is than what said it before.
+  // The bars place a hidden side better than the estimate before them.
   const FrameCorners by_bars = corners_by_bars(symbol);
   if (!frame.shown[1]) {
     corners[1] = by_bars[1];

@@ -29,22 +29,23 @@ struct SymbolHypothesis {
   std::shared_ptr<const RobustProfile> rows{};
 };
 
-// The rows of a frame by which a symbol is judged: those that it was read from, where they are the
-// frame's, from its first corner on; else they are cut out of the image.
+// The rows of a frame by which a symbol is judged: those that it was read from, if they begin at
+// the frame's first corner; else they are cut out of the image.
 std::shared_ptr<const RobustProfile> rows_of(const GrayView& image, const RefinedFrame& frame,
                                              const SymbolHypothesis& symbol);
 
-// Whether a symbol is beyond doubt by its whole height: then its halves need not be asked.
+// Whether a symbol is beyond doubt by its whole height: then its halves need no check.
 bool is_beyond_doubt(const Decoding& decoding);
 
-// What is seen of a frame, cut out of the picture once for each way that the symbol may run.
+// What is seen of a frame, cut out of the picture once for each direction in which the symbol may
+// run.
 class SymbolLook {
  public:
   SymbolLook(const GrayView& image, const RefinedFrame& frame) : image_(image), frame_(frame) {}
 
   // The best explained symbol of the options' layouts, along the direction(s) in which it may run,
-  // from the rows that agree (RobustProfile::of_agreeing_rows). Nothing where no guard patterns
-  // show. Where shadows lie on the plate, both as it is seen and evened out.
+  // from the rows that agree (RobustProfile::of_agreeing_rows). Nothing where no guard patterns are
+  // visible. Where shadows lie on the plate, both as seen and evened out.
   std::optional<SymbolHypothesis> by_agreeing_rows(const ReadOptions& options);
 
   // The same from all rows, with what each shows by its own light (RobustProfile::of_all_rows).
@@ -52,7 +53,7 @@ class SymbolLook {
 
  private:
   struct Seen {
-    std::size_t first_corner;  // taken for P
+    std::size_t first_corner;  // treated as P
     bool is_evened;
     std::shared_ptr<const RobustProfile> rows;
   };
@@ -100,8 +101,8 @@ FrameCorners corners_of(const SymbolHypothesis& symbol);
 // frame's own sides.
 FrameCorners corners_by_bars(const SymbolHypothesis& symbol);
 
-// The corners of a frame that may be P's: the symbol runs the way in which the grey level changes;
-// both ways when that is not clear. Upside down is left to the symbol.
+// The corners of a frame that may be P's: the symbol runs in the direction in which the grey level
+// changes; both directions when that is not clear. Upside down is decided by the symbol.
 std::vector<std::size_t> possible_first_corners(const GrayView& image, const Quad& quad);
 
 }  // namespace tagsmith::detail

@@ -138,12 +138,12 @@ SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensDis
   const double half = 0.5 / layout.modules();
   module_px = distance(image_from_frame(0.5 - half, 0.5), image_from_frame(0.5 + half, 0.5));
   height_px = detail::height_of(corners);
-  // Often only the bars' ends show what an occluder hides.
+  // Often an occluder is visible only at the bars' ends.
   const double clear = std::min(kProfile.ends * layout.bar_height(), kProfile.ends_px / height_px);
   top = layout.bars_top + clear;
   bottom = layout.bars_bottom - clear;
   rows = row_count(height_px * (bottom - top), row_height);
-  // Two bins a pixel and six a module lose nothing.
+  // Two bins a pixel and six a module lose no information.
   bins_per_module = std::clamp(static_cast<int>(std::lround(2.5 * module_px)), 3, 6);
   modules_before = std::min(kProfile.beyond, layout.quiet_zone_modules);
   bins = static_cast<std::size_t>((kModuleCount + 2 * modules_before) * bins_per_module);

@@ -18,7 +18,7 @@ bool same_frame(const Quad& a, const Quad& b) {
   return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
 }
 
-// Outlines that are no feature frame of ours are told apart from what was refused.
+// Outlines that are no tag are listed separately from refused tags.
 bool is_passed_over(const Rejection& rejection) {
   return rejection.reason == RejectionReason::frame_fault ||
          rejection.reason == RejectionReason::no_guards ||
@@ -41,7 +41,8 @@ bool TagHypotheses::any_reading(const Condition& condition) const {
   });
 }
 
-// Which of two plates in one place is another's, if they bear different digits, nothing tells.
+// If two plates in one place bear different digits, nothing shows which of them is another
+// survey's.
 TagHypothesis& TagHypotheses::keep(TagHypothesis hypothesis) {
   for (TagHypothesis& other : all_) {
     const Reading* now = hypothesis.reading();
@@ -150,7 +151,7 @@ std::vector<Reading> TagHypotheses::tags() const {
 }
 
 ReadResult TagHypotheses::result(bool tell_passed_over) const {
-  // A frame that was read after all is no refusal, and one refused twice is one.
+  // A frame that was read after all is not listed as refused, and one refused twice is listed once.
   ReadResult result{tags(), {}};
   for (const TagHypothesis& hypothesis : all_) {
     const Rejection* rejection = hypothesis.refusal();

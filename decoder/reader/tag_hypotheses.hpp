@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of a picture while it is read: the places that were looked at, and what came of
+// What is known of a picture while it is read: the places that were looked at, and the result at
 // each.
 #pragma once
 
@@ -27,14 +27,14 @@ struct TagHypothesis {
     completed,  // the frame that such bars complete, before it is fitted to their symbol
     careful,    // a frame whose symbol was read carefully
     again,      // a frame whose symbol was read again when more was known of the codes
-    passed,     // an outline that is no feature frame; kept where that is to be told
+    passed,     // an outline that is no feature frame; kept where these are to be reported
   };
 
   Source source = Source::outline;
   Quad rough{};                         // the frame before its fine fit
   std::optional<RefinedFrame> frame{};  // as it was fitted
   std::optional<Sharpening> halos{};    // undone in the picture that it was looked at in
-  // Read, refused, or not to be told: an attempt that leaves an earlier refusal as it was.
+  // Read, refused, or not reported: an attempt that leaves an earlier refusal unchanged.
   std::variant<std::monostate, Reading, Rejection> outcome{};
   bool may_be_covered = false;          // a careful look may read what was refused
   std::optional<BarRegion> odd_bars{};  // the bars inside may stand in another frame than this one
@@ -99,7 +99,7 @@ class TagHypotheses {
   std::vector<Reading> tags() const;
 
   // What was read and refused so far, each frame once; ReadResult::passed_over where that is to be
-  // told.
+  // reported.
   ReadResult result(bool tell_passed_over) const;
 
  private:

@@ -17,18 +17,18 @@ struct ProfileTuning {
   double ends_px = 2;   // of that, at most, where all rows are looked at
   double beyond = 4;    // modules of quiet zone, at most, on both sides of the bars
   // What rows agree on.
-  float model_error = 0.02F;  // what averaging cannot take away
+  float model_error = 0.02F;  // an error that averaging cannot remove
   float least_shown = 0.05F;  // of the rows
   double least_used = 0.2;    // of a bin's pixels that agree; of a covered stretch's cells, odd
   double shading = 0.1;       // differences along a clean bar, and the error of a few rows
-  double slanted = 0.35;      // of the steepest change: what a slope does not tell of a bend
+  double slanted = 0.35;      // of the steepest change: what a slope misses of a bend
   // Stretches of a row that something covers.
   double least_run = 2;  // modules
   double plainer = 0.4;  // variance of covered cells against that of clear ones
   // Rows of their own light, each stretch fitted to what all have in common.
   float most_variance = 3;        // times the usual one
   float model_variance = 0.006F;  // of the contrast squared: 8 % off anywhere
-  double odd = 0.3;  // off what is expected, there or on white: more than blurred bars leave of it
+  double odd = 0.3;        // off the expected value, there or on white: blurred bars leave less
   std::size_t bands = 14;  // of rows for a first guess
   // Plain windows, in which something hides the bars.
   double showing = 0.93;  // of the rows at a place, the one taken to show bars
@@ -42,7 +42,7 @@ inline constexpr ProfileTuning kProfile;
 // Things in front of a plate that cross its white and its black.
 // Why: docs/decisions/0004-occlusion.md.
 struct OccluderTuning {
-  double odd_in_ink = 0.45;  // of the contrast, where only light can be odd; less would be noise
+  double odd_in_ink = 0.45;  // of the contrast, where only too much light counts; less is noise
   double least_even = 0.85;  // of the places along a strip, as even as that
   double most_way = 1.2;     // over the bars' height, of a strip's width
 };
@@ -50,7 +50,7 @@ inline constexpr OccluderTuning kOccluder;
 
 // Where bars end. Why: docs/decisions/0005-hidden-frame-sides.md.
 struct BarEndsTuning {
-  std::size_t rows = 9;         // amid the bars, of which each place's middle one counts
+  std::size_t rows = 9;         // amid the bars, of which the median of each place counts
   double beyond_px = 3;         // of white that must follow
   float dark = 0.15F;           // between the bars' black and white; of their contrast
   double systematic_px = 0.15;  // what neighbouring windows are off by together
@@ -58,8 +58,8 @@ struct BarEndsTuning {
   double outside = 0.3;         // the same outwards; inwards where bars were followed
   double followed_outside = 0.8;
   double tolerance_px = 1.2;  // of the frame's sides and the bars' ends: blur
-  double layout = 0.003;      // of the frame's height, standard deviation: templates round,
-                              // lenses bend
+  double layout = 0.003;      // of the frame's height, standard deviation: templates' margins are
+                              // rounded, lenses bend lines
   double side = 1.2;          // modules that a side may be off bars that were followed
 };
 inline constexpr BarEndsTuning kBarEnds;
@@ -74,7 +74,7 @@ struct BarLinesTuning {
   int most_lean = 8;             // degrees
   double beyond = 0.5;           // of the region's length, on both sides
   std::size_t most_places = 10;  // on the first lines
-  double good = 1;               // cost per module: no need to look further, and no stray's
+  double good = 1;               // cost per module: ends the search, and is no stray line's
   double stray = 2.5;            // times the median cost
   int lines = 10;                // of a region
   double off = 0.5;              // modules: boundaries that are farther off count little
@@ -109,14 +109,14 @@ inline constexpr SearchTuning kSearch;
 struct JudgeTuning {
   double explained = 0.9;  // of the profile
   double guards = 0.8;     // of the guard patterns
-  // Modules; beyond, digits differ by what is left in the tails of the point spread, of which
-  // nothing is known.
+  // Modules; beyond, digits differ only by the tails of the point spread, of which nothing is
+  // known.
   double most_blur = 2.2;
   double most_growth = 0.7;  // modules; beyond, narrow elements vanish
   // Covered tags that were read carefully showed 0.83 and more with even light where slanted light
   // was needed; other plates less, or no guard patterns (`./dev bench troubled`).
   double like_symbol = 0.6;  // explained, and of the guard patterns, at a first look
-  // Half the bars' height against the whole.
+  // Half the bars' height compared with the whole.
   double beyond_doubt = 1e-8;  // by its whole height: the halves are not asked
   double clearly = 10;         // logarithm of the likelihood ratio
 };
@@ -131,16 +131,16 @@ struct PartTuning {
   // side by their guard patterns with a camera and without.
   double step = 0.005;
   int steps = 5, steps_unknown = 24;
-  double bend_sigma = 0.02;  // modules, of the symbol's ends: the sides tell the foreshortening
-  double most_alike = 1e-3;  // strangers, a code of the book, whose digits in sight are a code's
+  double bend_sigma = 0.02;  // modules, of the symbol's ends: the sides give the foreshortening
+  double most_alike = 1e-3;  // strangers, of each code of the book, that show its digits in sight
 };
 inline constexpr PartTuning kPart;
 
-// The same without a frame (`./dev bench frameless`).
+// Symbols that are read without a frame (`./dev bench frameless`).
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct FramelessTuning {
-  double together = 0.99;      // confidence by the lines' mean: lines may be wrong in common
-  double most_of_a_line = 30;  // what one line can say against a digit: it may be dirty
+  double together = 0.99;      // confidence by the lines' mean: lines may have errors in common
+  double most_of_a_line = 30;  // the most that one line can count against a digit: it may be dirty
   double independent = 3;      // lines: they share blur, print and dirt
   double even_parity = 6;      // cost below which digits may be those of an EAN-13
 };

@@ -18,9 +18,9 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr float kDark = 0.02F;  // of the bright white: what is lit less shows nothing
+constexpr float kDark = 0.02F;  // of the bright white: nothing is visible where there is less light
 
-// Light along a row, where no pixel fell that of the place before.
+// Light along a row; where no pixel fell, that of the place before.
 std::vector<float> light_of(const SymbolRows& rows, std::size_t row) {
   std::vector<float> light(rows.bins);
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
@@ -45,7 +45,7 @@ std::vector<float> white_of(const std::vector<float>& light, int bins_per_module
 }
 
 // The least white within a module of a place as a share of the greatest: less than 1 where the
-// light changes, and where exactly it does is not known.
+// light changes at a place that is not exactly known.
 float evenness_at(std::span<const float> white, std::size_t at, int bins_per_module) {
   const auto reach = static_cast<std::size_t>(bins_per_module);
   const std::size_t begin = at - std::min(at, reach);
@@ -54,8 +54,8 @@ float evenness_at(std::span<const float> white, std::size_t at, int bins_per_mod
   return brightest > 0 ? darkest / brightest : 0;
 }
 
-// Of the white of the plate above and below the bars the light of every digit's width, each the
-// mean of so many places along the symbol and rows of them.
+// From the white of the plate above and below the bars the light of every digit's width, each the
+// mean over so many places along the symbol and so many rows.
 std::vector<float> light_of_margins(const GrayView& image, const FrameHomography& map,
                                     const SymbolLayout& layout) {
   constexpr int kRows = 5;

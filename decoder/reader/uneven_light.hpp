@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadows on a plate: its white tells the light that falls on its bars.
+// Shadows on a plate: the light on its bars is determined from its white.
 // Why: docs/decisions/0026-shadows.md.
 #pragma once
 
