@@ -100,8 +100,8 @@ CharVector load(const std::uint8_t* from) {
   return samples;
 }
 
-// Sums of the absolute differences of either eight bytes, which the compiler has no portable word
-// for.
+// Sums the absolute differences of each group of eight bytes; compilers have no portable operation
+// for this.
 Words differences(CharVector a, CharVector b) {
   return reinterpret_cast<Words>(__builtin_ia32_psadbw128(a, b));
 }
@@ -129,7 +129,7 @@ void two_tile_textures(const std::uint8_t* samples, std::ptrdiff_t stride, Textu
 }
 #endif
 
-// The directions of gradients are told apart to an eighth of a half turn.
+// The directions of gradients are distinguished to an eighth of a half turn.
 constexpr std::size_t kDirections = 8;
 
 // Steps to the next tiles in these directions.
@@ -144,8 +144,8 @@ constexpr std::array<Steps, kDirections> kDirectionSteps{{{{{1, 0}, {2, 0}, {3, 
                                                           {{{-1, 1}, {-2, 2}, {-3, 3}}},
                                                           {{{-1, 0}, {-2, 1}, {-3, 1}}}}};
 
-// What a tile's place in the grid of directions holds: 0 = no direction, otherwise one more than
-// the octant around whose middle its gradient points.
+// The value of a tile in the grid of directions: 0 = no direction, otherwise one more than the
+// octant around whose middle its gradient points.
 using Direction = std::uint8_t;
 
 // The directions of a row of tiles; without branches, so that the compiler works on several tiles
@@ -252,7 +252,7 @@ void add_to(std::uint8_t* __restrict to, const std::uint8_t* __restrict from, st
 void widen(TileMask& mask, std::size_t reach) {
   const auto columns = static_cast<std::size_t>(mask.columns);
   const auto rows = static_cast<std::size_t>(mask.rows);
-  // Windows of 1, 2, 4, ... tiles from each on, the last one as long as the reach asks for.
+  // Windows of 1, 2, 4, ... tiles from each tile on, the last one as long as the reach requires.
   const std::size_t window = 2 * reach + 1;
   const auto grow = [&](auto&& add) {
     std::size_t size = 1;
@@ -271,7 +271,7 @@ void widen(TileMask& mask, std::size_t reach) {
     });
     std::copy_n(from.data(), columns, wide.data() + (row + reach) * columns);
   }
-  // Downwards in place: what a row takes in lies below it and is not changed yet.
+  // Downwards in place: the rows that a row adds lie below it and are not changed yet.
   grow([&](std::size_t shift) {
     const std::size_t step = shift * columns;
     for (std::size_t at = 0; at + step < wide.size(); at += columns) {
@@ -293,7 +293,7 @@ TextureGrid texture_of(const GrayView& image) {
     Texture* textures =
         grid.tiles.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns);
     int x = 0;
-    // A row of tiles is several of pixels, more than processors fetch ahead by themselves.
+    // A row of tiles is several rows of pixels, more than processors prefetch by themselves.
     constexpr int kCacheLine = 64;
     const std::uint8_t* next = image.row(std::min((row + 1) * kTile, image.height - 1));
     for (; x + 2 * kTile < image.width; x += 2 * kTile) {
@@ -424,7 +424,7 @@ struct Cluster {
   PixelPoint direction;             // twice the angle of the gradient, weighted by strength
 };
 
-// Collects the tiles that hang together with this one, diagonal neighbours included.
+// Collects the tiles that are connected with this one, diagonal neighbours included.
 Cluster grow(BarredTiles& tiles, std::size_t start) {
   Cluster cluster;
   std::vector<std::size_t> queue{start};

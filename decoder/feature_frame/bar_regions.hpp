@@ -15,7 +15,7 @@ namespace tagsmith::detail {
 // ---- Which way bars run inside a quadrilateral.
 
 // How much the grey level changes along the sides 0 and 2 (`along`) and along the sides 1 and 3
-// (`across`), averaged over the other direction so that only what runs through counts: mean
+// (`across`), averaged over the other direction so that only bars that run through count: mean
 // absolute step between neighbouring places, grey levels.
 struct BarSteps {
   double along = 0;
@@ -24,7 +24,7 @@ struct BarSteps {
 
 BarSteps bar_steps(const GrayView& image, const Quad& quad);
 
-// ---- Where in an image there may be bars: a look at every tile that costs less than reading it
+// ---- Where in an image there may be bars: a check of every tile that costs less than reading it
 // once.
 
 // Sums over a tile of the absolute differences between neighbouring pixels, of every other row.
@@ -62,8 +62,8 @@ inline Gradient gradient_of(const Texture& t) {
           (t.right + t.down + (t.falling + t.rising) * kDiagonal / 256) / 2};
 }
 
-// Whether a tile's gradients are of at least this strength and of one direction, as bars are: these
-// give 0.6 to 0.8 of the strength, isotropic noise next to nothing.
+// Whether a tile's gradients are of at least this strength and of one direction, as bars are: bars
+// give 0.6 to 0.8 of the strength, isotropic noise almost nothing.
 inline bool is_directed(const Gradient& gradient, int least_strength) {
   constexpr int kShare = 4;  // 1 / the least share of the strength
   const int directed = gradient.cos2 * gradient.cos2 + gradient.sin2 * gradient.sin2;
@@ -94,14 +94,14 @@ struct BarRegion {
 // The same region in an image of this many times the size (pixel centres shift by half of that).
 BarRegion scaled(const BarRegion& region, double scale);
 
-// Whether the first or the last bar is so near the image's border that the symbol may go on
+// Whether the first or the last bar is so near the image's border that the symbol may continue
 // beyond it.
 bool runs_off(const GrayView& image, const BarRegion& region);
 
 // The regions of an image outside the parts that are `known`: connected tiles whose gradients,
-// taken together with those of the tiles around, agree on one direction. Tiles at the edge of a
-// region are left out, so that regions that hang together by the edge of a plate or of a cable come
-// apart. The extent is good to a tile.
+// summed with those of the tiles around, agree on one direction. Tiles at the edge of a region are
+// left out, so that regions that are connected only by the edge of a plate or of a cable are
+// separated. The extent is accurate to a tile.
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture,
                                         std::span<const Quad> known = {});
 

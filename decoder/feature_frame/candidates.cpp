@@ -106,7 +106,7 @@ void label_row(RunMap& map, std::size_t y) {
     const int begin = here[i];
     const int end = here[i + 1];
     while (j < count_above && above[j + 1] <= begin - slack) ++j;
-    std::size_t k = j + ((j ^ dark) & 1U);  // an empty white run above is never reached
+    std::size_t k = j + ((j ^ dark) & 1U);  // an empty white run above cannot be reached
     if (k < count_above && above[k] < end + slack) {
       std::uint32_t label = root_of(map.parents, labels_above[k]);
       for (k += 2; k < count_above && above[k] < end + slack; k += 2) {
@@ -125,8 +125,8 @@ void label_row(RunMap& map, std::size_t y) {
   }
 }
 
-// Adds a white row below one that is white too: nothing but the region's extent changes. False
-// where the row above is another one.
+// Adds a white row below one that is white too: only the region's extent changes. False where the
+// row above is not white.
 bool repeat_white_row(RunMap& map, int y) {
   const std::size_t count = map.begins.size();
   if (y == 0 || count - map.first_of_row[static_cast<std::size_t>(y) - 1] != 2) return false;
@@ -197,7 +197,7 @@ std::vector<PixelPoint> hull_of(const RowExtents& extents) {
     extend(left, {static_cast<double>(extents.ends[i][0]), y}, -1);
     extend(right, {static_cast<double>(extents.ends[i][1]), y}, 1);
   }
-  // Down the right side, up the left one; ends that are one pixel are named once.
+  // Down the right side, up the left one; ends that are one pixel are added once.
   std::vector<PixelPoint> hull = right;
   if (left.back().x == right.back().x) left.pop_back();
   std::reverse(left.begin(), left.end());
@@ -284,8 +284,8 @@ struct Piece {
   PixelPoint middle;  // of its extent
 };
 
-// An area that the hull of two pieces has at least: that between their points which lie farthest to
-// either side of the line through their middles.
+// A lower limit for the area of the hull of two pieces: the area between their points that lie
+// farthest to either side of the line through their middles.
 double least_area_around(const Piece& a, const Piece& b) {
   const PixelPoint way = b.middle - a.middle;
   const auto across = [&](const PixelPoint& point) { return cross(way, point); };
@@ -303,7 +303,7 @@ std::vector<Quad> joined_candidates(std::vector<Piece> pieces, const FrameShape&
     for (std::size_t j = i + 1; j < pieces.size(); ++j) {
       if (pieces[i].white != pieces[j].white) continue;
       const double sum = pieces[i].area + pieces[j].area;
-      // Most are too far apart, which a look at four points tells as surely as the hull does.
+      // Most are too far apart, which four points show as surely as the hull does.
       constexpr double kRounding = 1 + 1e-9;
       if (least_area_around(pieces[i], pieces[j]) > kCandidate.most_empty * sum * kRounding)
         continue;

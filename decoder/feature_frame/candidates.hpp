@@ -23,12 +23,12 @@ struct RegionOptions {
   int min_height = 12;
   // Regions larger than this, in pixels across or down, are left out.
   int max_size = std::numeric_limits<int>::max();
-  // About so many changes of colour along the rows are followed, those of the greatest contrast: a
-  // bound on the time for images full of texture or noise.
+  // About so many changes of colour along the rows are followed, those of the greatest contrast:
+  // this limits the time for images full of texture or noise.
   std::size_t max_changes = std::numeric_limits<std::size_t>::max();
-  // The tiles that are searched, the others are taken for flat; null = all.
+  // The tiles that are searched; the others count as flat. Null = all.
   const TileMask* searched = nullptr;
-  // Parts of the image that are taken for flat: what they show is known already.
+  // Parts of the image that count as flat: their content is known already.
   std::vector<Quad> known;
 };
 
@@ -52,7 +52,7 @@ std::vector<Region> find_regions(const GrayView& image, const RegionOptions& opt
 struct PyramidLevel {
   GrayView image;
   double scale = 1;        // pixels of the full image per pixel of this level
-  int min_contrast = 20;   // grey levels that stand out from this level's noise
+  int min_contrast = 20;   // grey levels that exceed this level's noise
   PixelPoint origin = {};  // the part's upper left pixel in the full image
 };
 
@@ -65,20 +65,20 @@ Quad to_level(const PyramidLevel& level, const Quad& quad);
 struct CandidateOptions {
   // Frames larger than this, in pixels of the level, are left to coarser levels.
   int max_size = std::numeric_limits<int>::max();
-  // A bound on the time, see RegionOptions.
+  // Limits the time, see RegionOptions.
   std::size_t max_changes = std::numeric_limits<std::size_t>::max();
   // The tiles of the level that are searched; null = all.
   const TileMask* searched = nullptr;
   // Parts of the level that need no search.
   std::vector<Quad> known;
-  // Whether pairs of regions are tried as well: something in front has cut a frame apart.
+  // Whether pairs of regions are tried as well: something in front may have cut a frame apart.
   bool join_pieces = false;
   // Of the frames that are searched for.
   FrameShape shape;
 };
 
 // Quadrilaterals, in pixels of the level, that may be the inner edge of a feature frame: those
-// around white regions, and inside those around dark ones. Rough: to a pixel or two.
+// around white regions, and inside those around dark ones. Accurate to a pixel or two.
 std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOptions& options = {});
 
 }  // namespace tagsmith::detail

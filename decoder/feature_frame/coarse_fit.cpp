@@ -77,7 +77,7 @@ double share_within(const std::vector<EdgePoint>& points, double tolerance, cons
 
 LineFit fit_line(const std::vector<EdgePoint>& points, double tolerance) {
   LineFit fit;
-  // Start from the median so that a cable or a lump of dirt does not pull the first fit.
+  // Starts from the median so that a cable or a lump of dirt does not affect the first fit.
   std::vector<double> sorted;
   for (const EdgePoint& point : points) sorted.push_back(point.across);
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
@@ -124,7 +124,7 @@ BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const EdgePoint& point : points) {
       const double ratio = (point.across - at(point.along)) / (2 * width);
-      // The first time all count, for no fit is at hand.
+      // The first time all count, because there is no fit yet.
       const double weight = iteration == 0        ? 1
                             : std::abs(ratio) < 1 ? std::pow(1 - ratio * ratio, 2)
                                                   : 0;
@@ -137,7 +137,7 @@ BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
   return {{fit[0], fit[1], share_within(points, tolerance, at)}, fit[2]};
 }
 
-// The line, or the bowed side where more of the points agree on that.
+// The line, or the bowed side where more of the points agree with that.
 BowedFit fit_side(const std::vector<EdgePoint>& points, bool may_bow) {
   const LineFit line = fit_line(points, kSide.tolerance);
   if (!may_bow || line.inliers > kSide.agreed) return {line, 0};

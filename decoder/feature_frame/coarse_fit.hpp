@@ -12,8 +12,8 @@
 
 namespace tagsmith::detail {
 
-// A quick look: whether at half the places or more of every side (of those that are `looked_at`) it
-// is white inside, dark on the stroke and white again beyond.
+// A quick check: whether at half the places or more of every side (of those that are `looked_at`)
+// the picture is white inside, dark on the stroke and white again beyond.
 bool looks_framed(const GrayView& image, const Quad& rough, const FrameShape& shape = {},
                   const std::array<bool, 4>& looked_at = {true, true, true, true});
 
@@ -30,14 +30,14 @@ FrameResult<CoarseFrame> fit_frame_coarsely(const GrayView& image, const Quad& r
                                             const SideSagittas& bows = {},
                                             const FrameShape& shape = {});
 
-// A quadrilateral of which not every side may show.
+// A quadrilateral of which some sides may not be visible.
 struct ShownSides {
   Quad quad{};
   std::array<bool, 4> shown{};  // side i runs from corner i to corner i + 1
 };
 
 // As fit_frame_coarsely, but sides that show no edge stay where they are, and none bows other than
-// `bows` say. Nothing when the sides do not close.
+// as `bows` says. Nothing when the sides do not close.
 std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
                                              const SideSagittas& bows = {},
                                              const FrameShape& shape = {});

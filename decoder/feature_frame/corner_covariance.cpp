@@ -32,7 +32,7 @@ CornerCovariance corners_by_places(const Quad& corners) {
   return by_places;
 }
 
-// What a side's places are off by beyond what noise explains.
+// The error of a side's places beyond what noise explains.
 Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double displaced) {
   const PixelPoint d = frame.corners[(i + 1) % 4] - frame.corners[i];
   const double crossed = std::min(std::abs(d.x), std::abs(d.y));
@@ -45,8 +45,8 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double dis
          Eigen::Matrix2d::Identity() * kCorner.side * kCorner.side;
 }
 
-// Of the sides' places: edges are displaced on all sides alike, and by more or less from one end of
-// the frame to the other, as the light changes there.
+// The covariance of the sides' places: edges are displaced alike on all sides, and more or less
+// from one end of the frame to the other, as the light changes there.
 CornerCovariance of_displaced_edges(double displaced) {
   Eigen::Matrix<double, 3, 8> by_mode;
   by_mode << 1, 1, 1, 1, 1, 1, 1, 1,  //

@@ -12,11 +12,11 @@ struct RefinedFrame;
 using CornerCovariance = Eigen::Matrix<double, 8, 8>;
 
 // Each corner is where two fitted sides meet, so neighbouring corners share a side's errors.
-// Positive definite: what no fit shows of the lens, the print and the tone curve is added.
-// `displaced`: by how many pixels, one standard deviation, edges may stand elsewhere than the
+// Positive definite: the errors of the lens, the print and the tone curve that no fit shows are
+// added. `displaced`: by how many pixels, one standard deviation, edges may lie elsewhere than the
 // growth of the bars says. A tone curve that is not sRGB, or that ends in the white, displaces a
-// lone edge otherwise than edges between bars. Half of it is common to all sides, and twice as much
-// is a side's that runs along the pixel grid.
+// single edge differently from edges between bars. Half of this is common to all sides, and it is
+// twice as much for a side that runs along the pixel grid.
 CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced = 0);
 
 }  // namespace tagsmith::detail

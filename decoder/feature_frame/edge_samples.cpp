@@ -13,9 +13,9 @@
 namespace tagsmith::detail {
 namespace {
 
-// Pixels near a side, gathered by how far along and how far across they lie: fine across near the
-// edge, where the light changes within a pixel, coarse elsewhere, but not where the stroke's other
-// edge is among them: its mean over two pixels would be of no place, and of another one where
+// Pixels near a side, grouped by how far along and how far across they lie: fine across near the
+// edge, where the light changes within a pixel, coarse elsewhere. Not coarse where the stroke's
+// other edge is included: a mean over two pixels has no definite place, and a different one where
 // perspective tapers the stroke.
 class EdgeBins {
  public:
@@ -76,11 +76,10 @@ class EdgeBins {
 
 using ClippedSlices = std::array<bool, kSlices>;
 
-// Slices along a side in which white, so many pixels inside its edge, is beyond the sensor's end: a
-// lamp's beam. An edge there seems to stand farther out, by as much as nothing tells. None where
-// too few others are left to fit the side by, or where their white is not far below: then this is
-// little, and all of the side tells more.
-// Why: docs/decisions/0007-corner-covariance.md.
+// Slices along a side in which the white, so many pixels inside its edge, is clipped: a lamp's
+// beam. An edge there appears farther out, by an unknown distance. None where too few others are
+// left to fit the side, or where their white is not far below: then the distance is small, and the
+// whole side gives a better fit. Why: docs/decisions/0007-corner-covariance.md.
 ClippedSlices clipped_slices(const GrayView& image, const SideLine& side, double inward) {
   ClippedSlices clipped{};
   std::array<std::uint8_t, 8> white{};  // of a slice
@@ -124,7 +123,7 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
       std::max(1, static_cast<int>((last - first) * (2 * band) / kEdgeFit.most_pixels));
   const int limit = (steep ? image.width : image.height) - 1;
   const std::ptrdiff_t step = steep ? 1 : image.stride;
-  // What one pixel along the minor axis changes.
+  // What a step of one pixel along the minor axis changes.
   const double along_unit = 2 / side_length;
   const auto by_across = static_cast<float>(steep ? side.outward.x : side.outward.y);
   const auto by_along = static_cast<float>((steep ? side.along.x : side.along.y) * along_unit);
@@ -135,7 +134,7 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
     if (clipped[static_cast<std::size_t>(zone_at(static_cast<float>(2 * t - 1), kSlices))])
       continue;
     double centre = steep ? side.begin.x + t * d.x : side.begin.y + t * d.y;
-    // Near the edge the bow's tangent there will do.
+    // Near the edge the tangent of the bow there is sufficient.
     const double s = std::clamp(2 * t - 1, -1.0, 1.0);
     const double bow = is_bowed ? side.bow.at(s) : 0;
     const double slope = is_bowed ? side.bow.slope(s) : 0;

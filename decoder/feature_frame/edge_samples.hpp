@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pixels that tell where a side of a feature frame is.
+// The pixels that determine where a side of a feature frame is.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace tagsmith::detail {
 
-// Slices along a side, in each of which what is special about it is looked for by itself.
+// Slices along a side, each of which is checked separately for covers and clipped light.
 inline constexpr int kSlices = 16;
 
 // The mean of the pixels in one place relative to a side.
@@ -23,7 +23,7 @@ struct EdgeSample {
 };
 
 // Means of the pixels on both sides of the line in so many zones along it, its ends left out. A
-// stroke thinner than `thin` pixels is seen from edge to edge, of a thicker one the inner part:
+// stroke thinner than `thin` pixels is sampled from edge to edge, of a thicker one the inner part:
 // then its thickness stays as guessed and does not matter.
 std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side,
                                      double thin = kEdgeFit.thin_stroke,

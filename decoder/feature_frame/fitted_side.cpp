@@ -42,10 +42,11 @@ std::size_t slice_of(const EdgeSample& sample) {
   return static_cast<std::size_t>(zone_at(sample.along, kSlices));
 }
 
-// By which share of the brighter value the darker one is below it: the same in shadow.
+// By which share of the brighter value the darker one is below it: the same in shadow as in light.
 float contrast_of(float dark, float bright) { return (bright - dark) / std::max(1.0F, bright); }
 
-// The falls of a slice from its white to its black; none where it has hardly the side's contrast.
+// The falls of a slice from its white to its black; none where its contrast is much less than the
+// side's.
 void add_edges(std::vector<EdgeSample>& slice, int number, float contrast,
                std::vector<EdgePlace>& edges) {
   if (slice.size() < 4) return;
@@ -105,7 +106,7 @@ bool lie_on_bow(const std::vector<EdgePlace>& edges, double tolerance) {
   return false;
 }
 
-// Through the edges of two slices that are not neighbours; that which most slices are on.
+// The line through the edges of two slices that are not neighbours on which most slices lie.
 EdgeLine best_line(const std::vector<EdgePlace>& edges, double tolerance) {
   EdgeLine best;
   std::ptrdiff_t most = 0;
@@ -190,7 +191,7 @@ std::pair<float, float> levels_of(std::vector<EdgeSample> samples, float share) 
 }
 
 // The edge's place by the share of the samples that is bright; nothing where the stroke's far edge
-// is among them, or no edge.
+// is among them, or there is no edge.
 std::optional<double> place_by_share(const std::vector<EdgeSample>& samples, const SideLine& side) {
   if (samples.empty() || side.stroke < kEdgeFit.thin_stroke) return std::nullopt;
   float from = 0, to = 0;
@@ -198,7 +199,7 @@ std::optional<double> place_by_share(const std::vector<EdgeSample>& samples, con
     from = std::min(from, sample.across);
     to = std::max(to, sample.across);
   }
-  // A twentieth of the pixels on either side of the edge, four times as far apart as what is off.
+  // Levels of a twentieth of the pixels at either end; they must differ by four times the noise.
   const auto [black, white] = levels_of(samples, 0.05F);
   if (white - black < 4 * static_cast<float>(kEdgeFit.least_residual)) return std::nullopt;
   float bright = 0, all = 0;
@@ -209,8 +210,8 @@ std::optional<double> place_by_share(const std::vector<EdgeSample>& samples, con
   return static_cast<double>(from + (to - from) * bright / all);
 }
 
-// The samples of a side. Where they were made even, what that multiplied their light by at the
-// side's begin and end.
+// The samples of a side. Where they were evened out, the factors that their light was multiplied by
+// at the side's begin and end.
 struct SideSamples {
   SideSamples(const GrayView& image, const SideLine& side, std::vector<EdgeSample> of_side)
       : tone(ToneCurve::of(image)),
@@ -374,8 +375,8 @@ NormalEquations accumulate(const Parameters& p, const SideSamples& samples, cons
   NormalEquations normal{matrix.cast<double>(), right.cast<double>()};
   normal.squares = static_cast<double>(squares);
   normal.weight = static_cast<double>(total.sum());
-  // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
-  // is.
+  // The stroke is about as thick as guessed; where its far edge is not sampled, nothing else is
+  // known of it.
   const double stroke_weight = scale * scale / (kEdgeFit.log_sigma * kEdgeFit.log_sigma);
   const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
   normal.matrix(kLogStroke, kLogStroke) += stroke_weight;
@@ -421,7 +422,7 @@ void constrain(Parameters& p, double stroke) {
   p[kBlack] = std::clamp(p[kBlack], -0.2, 1.0);
 }
 
-// Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
+// Scale of the Cauchy weights: twice the median residual, so that noise is fitted and dirt is not.
 double noise_scale(const SideSamples& samples, const Parameters& p, const SideLine& side) {
   const StepModel model(p, side, samples.tone);
   std::vector<float> residuals;
@@ -444,7 +445,7 @@ Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p
   return {p, found, scale};
 }
 
-// First with the scale of the guess, then with that of what was found.
+// First with the scale of the guess, then with the scale of the solution.
 Solution solve_from(const SideSamples& samples, const SideLine& side, Parameters p) {
   constrain(p, side.stroke);
   p = minimise(samples, side, p, noise_scale(samples, p, side), 4).parameters;
@@ -453,8 +454,8 @@ Solution solve_from(const SideSamples& samples, const SideLine& side, Parameters
 
 double cost_of(const Solution& solution) { return solution.normal.cost / solution.normal.weight; }
 
-// A sharp edge far from where it was sought looks like dirt on the white or the black there, and
-// the robust fit stays where it began: then the edge is sought from where the light says it is.
+// A sharp edge far from the start looks like dirt on the white or the black there, and the robust
+// fit stays where it began: then the fit is repeated from the place that the light gives.
 Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
   Parameters start = first_guess(samples, side, start_blur);
   Solution first = solve_from(samples, side, start);
@@ -465,7 +466,7 @@ Solution solve_side(const SideSamples& samples, const SideLine& side, double sta
   return cost_of(second) < cost_of(first) ? second : first;
 }
 
-// Whether a fit explains as good as all of a side's samples.
+// Whether a fit explains nearly all of a side's samples.
 bool fits_all(const SideSamples& samples, const Solution& solution) {
   double weight = 0;
   for (const EdgeSample& sample : samples.samples) weight += static_cast<double>(sample.weight);
@@ -512,13 +513,13 @@ std::optional<SideSamples> evenly_lit(const GrayView& image, const SideSamples& 
 }
 
 // A side by the part of it that shows its edge on one line; nothing where all of it does, or where
-// it is too short to tell. `noise`: of a sample, grey levels.
+// it is too short to decide. `noise`: of a sample, grey levels.
 std::optional<Solved> solve_shown(const GrayView& image, const SideLine& side, double thin,
                                   double noise) {
   if (distance(side.begin, side.end) < kSlices) return std::nullopt;
   auto part = shown_part(edge_samples(image, side, thin, kSlices), noise);
   if (!part) return std::nullopt;
-  // What covers a side has put it a few pixels aside, where the edge is hardly among the samples.
+  // A cover may have moved the side by a few pixels, so that its edge is hardly among the samples.
   SideLine line = moved(side, part->place - part->turn, part->place + part->turn);
   if (auto nearer = shown_part(edge_samples(image, line, thin, kSlices), noise)) {
     part = std::move(nearer);
@@ -551,8 +552,8 @@ bool is_near(const Solution& solution, const SideLine& side) {
   return std::abs(p[kPlace]) + std::abs(p[kTurn]) < side.reach;
 }
 
-// A side whose stroke is half as thick as guessed: that of a plate seen so aslant that its symbol
-// is narrower than it is high. Nothing where that does not explain it either.
+// A side whose stroke is half as thick as guessed: that of a plate seen so obliquely that its
+// symbol is narrower than it is high. Nothing where that does not explain it either.
 std::optional<Solved> solve_thinner(const GrayView& image, SideLine side, double thin) {
   side.stroke /= 2;
   SideSamples samples(image, side, edge_samples(image, side, thin));
@@ -588,7 +589,7 @@ SideLine line_of(const Solved& side) {
   return moved(side.line, p[kPlace] - p[kTurn], p[kPlace] + p[kTurn]);
 }
 
-// Nothing where samples are not close together at the edge that is found.
+// Nothing where samples are not close together at the edge that was found.
 std::optional<Solved> solve_finely(const GrayView& image, const SideLine& side, double thin) {
   SideSamples samples(image, side, edge_samples(image, side, thin));
   if (samples.samples.size() < kLeastSamples) return std::nullopt;
@@ -597,12 +598,14 @@ std::optional<Solved> solve_finely(const GrayView& image, const SideLine& side, 
   return found;
 }
 
-// Of a sample's value by its residual, at least that of the rounding to whole grey levels.
+// The variance of a sample's value from its residual, at least that of rounding to whole grey
+// levels.
 double noise_variance(const NormalEquations& normal) {
   return std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
 }
 
-// Of the edge's place at the side's begin and end: the inverse normal matrix by the noise.
+// The covariance of the edge's places at the side's begin and end: the inverse normal matrix times
+// the noise.
 Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
   const double variance = noise_variance(normal);
   const Eigen::Matrix<double, kParameters, kParameters> matrix =
@@ -614,7 +617,7 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
 }
 
 // The line of a large frame, which was found in a much reduced picture, may be farther from the
-// edge than samples are taken: then as far as the light says.
+// edge than samples are taken: then it is moved by what the light shows.
 SideLine brought_near(const GrayView& image, const SideLine& side) {
   const double band = 4 * side.reach;
   if (side.stroke < 2 * band) return side;

@@ -17,15 +17,15 @@ namespace tagsmith::detail {
 
 // ---- Which part of a side of a feature frame shows its edge, where something covers the rest.
 
-// The edge as most slices show it.
+// The edge on which most slices agree.
 struct ShownPart {
   double place = 0;                 // pixels outwards from the side that was sampled, in its middle
-  double turn = 0;                  // what is added to that at its end, and taken away at its begin
+  double turn = 0;                  // what is added to that at its end and subtracted at its begin
   std::vector<EdgeSample> samples;  // of the slices in which the edge lies there
 };
 
 // The straight line on which the edge lies in most slices of a side, by samples in kSlices zones
-// along it; nothing where all or all but one agree, as they do on a bow too, or where fewer than
+// along it; nothing where all or all but one agree, as they also do on a bow, or where fewer than
 // half agree on a line. `noise`: of a sample, grey levels.
 std::optional<ShownPart> shown_part(std::vector<EdgeSample> samples, double noise);
 
@@ -45,9 +45,9 @@ struct FrameSide {
 
 // Least squares by Gauss-Newton steps with Cauchy weights: the light across the side is white, then
 // the stroke's black, and white again where the stroke is thinner than `thin` pixels, all blurred.
-// Where the fit to all of a side leaves many samples aside, the part of it that shows is fitted. An
-// edge that is found beside the line that it was sought near, where samples are means over pixels,
-// is fitted anew there.
+// Where the fit to all of a side rejects many samples, the visible part of it is fitted. An edge
+// that is found away from the line where it was searched, where samples are means over pixels, is
+// fitted again there.
 class FittedSide {
  public:
   // Nothing where too few pixels show the side.
@@ -57,18 +57,19 @@ class FittedSide {
   FittedSide& operator=(FittedSide&&) noexcept;
   ~FittedSide();
 
-  // Whether the edge was found no farther from `near` than pixels were looked at.
+  // Whether the edge was found no farther from `near` than samples were taken.
   bool stays_near() const;
   double blur_px() const;
   SideLine line() const;
   FrameSide side() const;
 
-  // How far the samples say that the side's middle is off the bow that it was fitted with.
+  // By how much the samples put the side's middle off the bow that it was fitted with.
   SeenSagitta bow() const;
-  // By how much noise that is alike in neighbouring pixels raises the fit's variance; at least 1.
+  // By how much noise that is correlated between neighbouring pixels raises the fit's variance; at
+  // least 1.
   double noise_correlation() const;
 
-  // Fits once more from another blur, and keeps what fits better. A side along the pixel grid shows
+  // Fits once more from another blur, and keeps the better fit. A side along the pixel grid shows
   // every pixel at the same fraction, and its blur may be mistaken for its place.
   void try_blur(double blur_px);
 

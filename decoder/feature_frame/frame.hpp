@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The feature frame: its corners in a picture, its proportions, and why an outline is none.
+// The feature frame: its corners in a picture, its proportions, and why an outline is no frame.
 #pragma once
 
 #include <tl/expected.hpp>
@@ -30,7 +30,7 @@ enum class FrameFault {
   side_too_short,  // a side has too few pixels
   no_fit,          // a side's edge cannot be fitted near where it was
   not_closed,      // the sides do not meet in four corners
-  covered,         // fewer than two sides show
+  covered,         // fewer than two sides are visible
 };
 
 template <class T>

@@ -53,7 +53,7 @@ void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int cou
   }
 }
 
-// For so many slopes and distances the number of falls on a line, beside each other by distance.
+// The number of falls on a line for so many slopes and distances, ordered by distance.
 class LineVotes {
  public:
   LineVotes(std::size_t slopes, std::size_t distances)
@@ -90,8 +90,8 @@ struct Line {
   double slope = 0;  // pixels outwards a pixel along
 };
 
-// The straight lines that enough of the scan lines have a fall on, and not much fewer than on
-// the line that shows best, nearest first (Hough transform over slope and distance).
+// The straight lines on which enough of the scan lines have a fall, and not many fewer than on the
+// most visible line, nearest first (Hough transform over slope and distance).
 std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, std::size_t most) {
   const auto apart = static_cast<std::size_t>(kEdgeFit.thin_stroke);
   const auto bins = static_cast<std::size_t>(reach + 3);
@@ -116,7 +116,7 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, std::si
   std::vector<Line> lines;
   for (std::size_t i = 0; i + 1 < bins && lines.size() < most; ++i) {
     if (votes.most_at(i) < least) continue;
-    // Neighbouring slopes and distances share the line; it is where most agree.
+    // Neighbouring slopes and distances share the line; the one with the most votes is taken.
     Line line;
     int votes_of_line = 0;
     std::size_t at = i;
@@ -198,7 +198,7 @@ SideLine side_line(const BarRegion& block, PixelPoint axis, PixelPoint outward, 
   return line_through(point(begin), point(end));
 }
 
-// How much the bars show inside the frame and not in its white margin above and below them, grey
+// How much more the bars show inside the frame than in its white margin above and below them, grey
 // levels; the less, the worse the upper and lower sides suit.
 double shown_between(const GrayView& image, const Quad& quad) {
   constexpr int kPlaces = 60;

@@ -11,9 +11,9 @@
 
 namespace tagsmith::detail {
 
-// Looks outwards from the bars for the straight edges from white to dark that surround them, each
-// shown by about half of its length; what covers the rest does not matter. The inner edge of the
-// frame, clockwise in the image, to a pixel or two; nothing when a side does not show.
+// Searches outwards from the bars for the straight edges from white to dark that surround them,
+// each visible over about half of its length; what covers the rest does not matter. The inner edge
+// of the frame, clockwise in the image, to a pixel or two; nothing when a side is not visible.
 std::optional<Quad> frame_around(const GrayView& image, const BarRegion& block);
 
 // The frame whose left and right sides are known (of the block as it stands: upwards on the left,

@@ -70,8 +70,9 @@ struct BowedPlace {
   double bow = 0;
 };
 
-// What a lens makes of the straight line between two points of its plane, so far along it, seen
-// from the side between their pixels. Nothing where the lens shows none of it, or next to the ends.
+// The image, through a lens, of the straight line between two points of its plane, so far along it,
+// measured outwards from the side between their pixels. Nothing where the lens shows none of it, or
+// next to the ends.
 std::optional<BowedPlace> bowed_place(const LensDistortion& lens, const SideLine& side,
                                       PixelPoint from, PixelPoint to, double share) {
   const auto pixel = lens.bent((1 - share) * from + share * to);
@@ -102,8 +103,8 @@ SideSagitta bow_between(const LensDistortion& lens, const SideLine& side, PixelP
   return bow;
 }
 
-// How far the sides bow amid their length, or near it where they are seen aslant: a small
-// lambda bows a side alike everywhere, as a share of 1 - s^2.
+// How far the sides bow at the middle of their length, or near it where they are seen obliquely: a
+// small lambda bows a side alike everywhere, as a share of 1 - s^2.
 std::array<double, 4> bows_amid(const LensDistortion& lens, const Quad& corners) {
   std::array<double, 4> bows{};
   const std::optional<Quad> straight = straightened(lens, corners);
@@ -231,7 +232,7 @@ double lambda_of_coarse(const Quad& corners, const SideSagittas& bows, double si
                         PixelPoint centre) {
   std::array<SeenSagitta, 4> seen{};
   for (std::size_t i = 0; i < 4; ++i) {
-    // A straight line was good enough where none was taken for bowed: that tells little.
+    // A side that was not bowed was fitted well enough by a straight line: that is weak evidence.
     if (bows[i].middle() != 0) seen[i] = {bows[i].middle(), sigma * sigma};
   }
   const auto lens = lens_of_sides(corners, seen, centre, 0);

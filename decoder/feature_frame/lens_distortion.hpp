@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a lens bends what is straight.
+// How a lens bends straight lines.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::si
 
 // What is known of the lens before a frame is fitted.
 struct LensGuess {
-  std::optional<LensDistortion> known;  // otherwise the frame's own sides tell
+  std::optional<LensDistortion> known;  // otherwise it is estimated from the frame's own sides
   double lambda = 0;                    // about the image's centre, to start from
 };
 
@@ -75,14 +75,14 @@ struct RadialLens {   // of the division model, as radial() takes it
   double sigma = 0;   // of lambda
 };
 
-// The lens of the division model that the sides of a frame tell, when they were fitted with that of
-// `lambda`; nothing when they are straight as far as can be seen, or bow in ways that no such lens
-// explains for the most part.
+// The lens of the division model that follows from the sides of a frame that were fitted with that
+// of `lambda`; nothing when they are straight as far as can be seen, or bow in ways that no such
+// lens mostly explains.
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                         PixelPoint centre, double lambda);
 
-// What may bend sides that were fitted straight, unseen: the likeliest lens about `centre`, the
-// image's, and what is not known of it.
+// The distortion that may remain unseen in sides that were fitted straight: the likeliest lens
+// about `centre`, the image's, and its uncertainty.
 struct UnseenLens {
   double lambda = 0;             // standard deviation about 0, 1 / pixels^2
   std::array<double, 4> bows{};  // how far it moves the sides' middles, pixels
@@ -90,8 +90,8 @@ struct UnseenLens {
 UnseenLens unseen_lens(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                        PixelPoint centre);
 
-// The lambda that the bows of a settled frame tell, zero when they tell none; `sigma` of a bow's
-// middle, pixels.
+// The lambda that follows from the bows of a settled frame, zero when they give none; `sigma` of a
+// bow's middle, pixels.
 double lambda_of_coarse(const Quad& corners, const SideSagittas& bows, double sigma,
                         PixelPoint centre);
 

@@ -28,8 +28,8 @@ std::vector<PixelPoint> convex_hull(std::vector<PixelPoint> points);
 double area_of(const std::vector<PixelPoint>& polygon);
 
 // The quadrilateral around a convex polygon that is left when the sides that matter least (whose
-// neighbours, prolonged to meet, add the least area) are dropped one by one. From its upper left
-// corner on: that is where a tag's symbol begins that is seen the right way up.
+// neighbours, prolonged to meet, add the least area) are dropped one by one. It begins at its upper
+// left corner: there begins the symbol of a tag that is seen the right way up.
 std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull);
 
 // Every side moved outwards by this many pixels; the corners are where the moved sides meet.

@@ -17,21 +17,21 @@
 namespace tagsmith::detail {
 namespace {
 
-// Where frames are fitted, and of which proportions.
+// Where frames are fitted, and their proportions.
 struct Sight {
   const GrayView& image;
   const FrameShape& shape;
   bool was_sharpened = false;
 };
 
-// The frame fitted through one lens, and what its sides say of another.
+// The frame fitted through one lens, and how its sides differ from that lens.
 struct FrameFit {
   RefinedFrame frame;
   std::array<SeenSagitta, 4> bows;
 };
 
-// Whether the stroke is only half as thick as guessed: that of a plate seen so aslant that its
-// symbol is narrower than it is high. Then what should be deep in the stroke is white.
+// Whether the stroke is only half as thick as guessed: that of a plate seen so obliquely that its
+// symbol is narrower than it is high. Then a place that should be deep in the stroke is white.
 bool is_half_as_thick(const GrayView& image, const SideLine& side) {
   std::vector<double> contrasts;
   const auto light = [&](double along, double strokes) {
@@ -58,7 +58,7 @@ SideLine side_to_fit(const GrayView& image, const Quad& settled, std::size_t i,
   return line;
 }
 
-// The blur of a frame by those of its sides: the mean of the middle two, of their logarithms.
+// The blur of a frame from those of its sides: the mean of the middle two, of their logarithms.
 double common_blur(const std::vector<FittedSide>& sides) {
   std::vector<double> blurs;
   for (const FittedSide& side : sides) blurs.push_back(side.blur_px());
@@ -110,8 +110,8 @@ FrameResult<RefinedFrame> fit_with_known_lens(const Sight& sight, const Quad& se
   return again ? again->frame : fit->frame;
 }
 
-// What the sides of a frame tell of an unknown lens: one for all of them, and of each by how much
-// it bows beyond that, for real lenses are not quite of one model.
+// What the sides of a frame show about an unknown lens: one lens for all of them, and by how much
+// each bows beyond that, because real lenses do not follow one model exactly.
 struct ToldLens {
   RadialLens radial;
   std::array<double, 4> beyond{};
@@ -135,12 +135,12 @@ double greatest_clear_bow(const std::array<SeenSagitta, 4>& sides) {
   return greatest;
 }
 
-// A line fitted to a bow stands off its ends by two thirds of it.
+// A line fitted to a bow lies off its ends by two thirds of it.
 Eigen::Matrix2d off_by_bow(double variance) {
   return Eigen::Matrix2d::Constant(4.0 / 9 * variance);
 }
 
-// What a lens that does not show adds to the covariances of sides that were fitted straight.
+// What an undetected lens adds to the covariances of sides that were fitted straight.
 void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
   const UnseenLens unseen = unseen_lens(fit.frame.corners, fit.bows, centre);
   fit.frame.lens_doubt = unseen.lambda;
@@ -163,8 +163,7 @@ void add_lens_doubt(FrameFit& fit) {
   }
 }
 
-// A frame of which the sides are to tell of the lens.
-// Why: docs/decisions/0006-lens-and-tone.md.
+// A frame whose sides are used to estimate the lens. Why: docs/decisions/0006-lens-and-tone.md.
 class LensSearch {
  public:
   LensSearch(const Sight& sight, const Quad& settled, PixelPoint centre, double lambda)
@@ -175,7 +174,7 @@ class LensSearch {
     fit_ = fit_frame(sight, settled, centre, told_);
   }
 
-  // Fits the frame and what its sides tell of the lens in turn, until neither changes.
+  // Fits the frame and the lens that its sides give in turn, until neither changes.
   FrameResult<RefinedFrame> found() {
     if (!fit_) return tl::unexpected(fit_.error());
     if (!settle_lens()) {
@@ -184,14 +183,14 @@ class LensSearch {
       return fit_->frame;
     }
     let_bow();
-    // What each side bows by itself tells the lens where one for all of them has not settled.
+    // The bow of each side gives the lens where one lens for all sides did not converge.
     const double before = told_.radial.lambda;
     const auto radial = lens_of_bows();
     if (radial && std::abs(radial->lambda - before) > radial->sigma && fit_again({*radial, {}}))
       let_bow();
     fit_->frame.unexplained_bow = greatest_clear_bow(bows_beyond_lens());
     add_lens_doubt(*fit_);
-    // Of the model its sides alone are sure.
+    // Only this frame's sides confirm the model, so all of lambda is in doubt.
     fit_->frame.lens_doubt = std::abs(told_.radial.lambda);
     return fit_->frame;
   }
@@ -205,7 +204,7 @@ class LensSearch {
     return true;
   }
 
-  // One lens for all sides; false where they tell of none.
+  // One lens for all sides; false where they give none.
   bool settle_lens() {
     for (int round = 0; round < kEdgeFit.rounds; ++round) {
       const double now = told_.radial.lambda;
@@ -226,7 +225,7 @@ class LensSearch {
     }
   }
 
-  // By how much the sides bow beyond what the lens gives that is told.
+  // By how much the sides bow beyond what the estimated lens gives.
   std::array<SeenSagitta, 4> bows_beyond_lens() const {
     std::array<SeenSagitta, 4> seen = fit_->bows;
     for (std::size_t i = 0; i < 4; ++i) seen[i].beyond += told_.beyond[i];
@@ -237,9 +236,9 @@ class LensSearch {
     return lens_of_sides(fit_->frame.corners, bows_beyond_lens(), centre_, told_.radial.lambda);
   }
 
-  // Taken for straight, strongly bowed sides lie on other edges in part, and no lens explains what
-  // they show then: they are asked once more when each has bowed. Leaves the frame as it was where
-  // they tell of no lens then either.
+  // When strongly bowed sides are fitted as straight, parts of them lie on other edges, and no lens
+  // explains the result: the lens is estimated once more after each side was allowed to bow. Leaves
+  // the frame unchanged where the sides give no lens then either.
   std::optional<RadialLens> lens_when_bowed() {
     if (greatest_clear_bow(fit_->bows) == 0) return std::nullopt;
     const FrameFit straight = *fit_;
@@ -284,7 +283,7 @@ FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settle
 
 namespace {
 
-// Levels, blur and stroke of a side that does not show: the mean of those that do.
+// Levels, blur and stroke of a side that is not visible: the mean of the visible ones.
 FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
   FrameSide mean;
   double count = 0;

@@ -31,8 +31,8 @@ RefinedFrame turned_to(RefinedFrame frame, std::size_t first);
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
 // and, where the stroke is thin, back to white, in light. Fails when one does not converge near
 // where it was. Sides of a frame seen through a known lens bow as it says; through an unknown one,
-// as a radial lens about the image's centre makes them, if they do so clearly, and each by what is
-// left.
+// as a radial lens about the image's centre makes them, if they do so clearly, and each by its own
+// remainder.
 FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
                                        const LensGuess& lens = {}, const FrameShape& shape = {},
                                        bool was_sharpened = false);
@@ -40,7 +40,7 @@ FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settle
 // The same where something hides sides: those not `shown`, and those that cannot be fitted near
 // where they are, stay there with `hidden_sigma` pixels of uncertainty at their ends. Fails when
 // fewer than two sides are fitted or the sides do not close. A lens that is not given bends
-// nothing; by how much sides then bow adds to what all may be off by.
+// nothing; the bows that sides then show are added to the uncertainty of all.
 FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                              const std::array<bool, 4>& shown, double hidden_sigma,
                                              const LensDistortion& lens = {},

@@ -103,7 +103,7 @@ class SharpenedProfile {
   std::vector<float> levels_;
 };
 
-// The samples across one side, along it averaged.
+// The samples across one side, averaged along it.
 struct SideProfile {
   const ToneCurve* tone = nullptr;  // of the image
   std::vector<EdgeSample> samples;
@@ -126,7 +126,7 @@ SideProfile profile_of(const GrayView& image, const RefinedFrame& frame, std::si
   for (EdgeSample& sample : profile.samples) {
     profile.first = std::min(profile.first, sample.across);
     profile.last = std::max(profile.last, sample.across);
-    // Evenly lit, as the middle of the side is.
+    // As if the side were lit evenly, like its middle.
     const double t = static_cast<double>(sample.along + 1) / 2;
     const double white = fitted.white_begin + t * (fitted.white_end - fitted.white_begin);
     const double middle = (fitted.white_begin + fitted.white_end) / 2;
@@ -257,7 +257,7 @@ double sample_count(const Problem& problem) {
   return count;
 }
 
-// Whether the plain fit leaves what a little sharpening would explain.
+// Whether the plain fit leaves residuals that a little sharpening would explain.
 bool may_be_sharpened(const Problem& problem) {
   const Equations plain = equations_at(problem, problem.nominal);
   const auto solver = plain.matrix.ldlt();
@@ -328,7 +328,7 @@ struct Area {
   int height() const { return bottom - top; }
 };
 
-// The part of an image around a quadrilateral that its feature frame and halos reach.
+// The part of an image around a quadrilateral that its feature frame and halos cover.
 Area around(const GrayView& image, const Quad& quad) {
   double left = image.width, right = 0, top = image.height, bottom = 0;
   for (const PixelPoint& corner : quad) {
@@ -369,8 +369,8 @@ std::vector<float> gaussian(double sigma) {
   return weights;
 }
 
-// What undoing goes by: what is kept of the sharp picture, what comes from the smoothed one, and
-// the levels of ink and paper.
+// The constants of one iteration: the share that is kept of the sharp picture, the share that is
+// added from the smoothed one, and the levels of ink and paper.
 struct Round {
   float kept, fed_back, black, white;
 };
@@ -389,8 +389,8 @@ TAGSMITH_WIDE void next_levels(const float* sharp, const float* smooth, const Ro
   }
 }
 
-// The rows of a plane in a Gaussian's reach, smoothed along themselves: each is met once, so that
-// the plane may change behind them.
+// The rows of a plane within a Gaussian's reach, smoothed along themselves: each is read once, so
+// that the plane may change behind them.
 class SmoothedRows {
  public:
   SmoothedRows(const Plane& plane, const std::vector<float>& weights)
@@ -401,8 +401,8 @@ class SmoothedRows {
         across_(plane.rows(), 2 * reach_ + 1),
         smooth_(plane.rows()) {}
 
-  // Row y of the plane smoothed both ways; rows are asked for one after the other. Beyond its
-  // borders the plane goes on as it is there.
+  // Row y of the plane smoothed both ways; rows are requested one after the other. Beyond its
+  // borders the plane is continued with its border values.
   const Eigen::ArrayXf& at(Eigen::Index y) {
     const Eigen::Index last = plane_.cols() - 1;
     while (met_ <= std::min(y + reach_, last)) smooth_along(met_++);
@@ -441,7 +441,7 @@ class SmoothedRows {
 
 }  // namespace
 
-// With y = x + a (x - G x), the picture x is what x <- (y + a G x) / (1 + a) comes to rest at.
+// With y = x + a (x - G x), the picture x is the limit of x <- (y + a G x) / (1 + a).
 void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
   constexpr double kAtRest = 0.01;
   const Area area = around(sharp_, quad);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera did to a picture's edges after it took it, told by a feature frame's sides, and the
-// picture without that. Why: docs/decisions/0006-lens-and-tone.md.
+// How a camera sharpened a picture after taking it, determined from a feature frame's sides, and
+// the picture without that. Why: docs/decisions/0006-lens-and-tone.md.
 #pragma once
 
 #include <optional>
@@ -19,15 +19,16 @@ struct Sharpening {
   double white = 255;
 };
 
-// What the sides of a fitted frame that are in sight show of it; nothing where they show no halos.
+// What the visible sides of a fitted frame show of it; nothing where they show no halos.
 std::optional<Sharpening> sharpening_of(const GrayView& image, const RefinedFrame& frame,
                                         const FrameShape& shape = {});
 
-// Adds to what the sides of a frame may be off by a share of what undoing the sharpening moved its
-// corners by: the mask is not known exactly. `before`: the corners as the stored picture has them.
+// Adds to the uncertainty of a frame's sides a share of the distance by which undoing the
+// sharpening moved its corners: the mask is not known exactly. `before`: the corners in the stored
+// picture.
 void add_halo_doubt(const Quad& before, RefinedFrame& frame);
 
-// A picture as it was before it was sharpened, near the places that were asked for.
+// A picture as it was before it was sharpened, near the places that were requested.
 class UnsharpenedImage {
  public:
   explicit UnsharpenedImage(const GrayView& image);
@@ -35,7 +36,7 @@ class UnsharpenedImage {
   // Undoes the sharpening around a quadrilateral, as far as its feature frame and a margin reach.
   void undo(const Sharpening& sharpening, const Quad& quad);
 
-  // Makes the picture there what it was before anything was undone.
+  // Restores the picture there to what it was before anything was undone.
   void restore(const Quad& quad);
 
   GrayView view() const { return image_.view(); }

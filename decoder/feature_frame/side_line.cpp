@@ -11,8 +11,8 @@ namespace tagsmith::detail {
 namespace {
 
 // The frame's extent, modules, across a side that is so many times as long as the frame is deep
-// there. Whether that is the height or the length shows in the proportion, unless foreshortening
-// has made the frame nearly square: then the guess lies between the two.
+// there. Whether that is the height or the length follows from the proportion, unless
+// foreshortening has made the frame nearly square: then the guess lies between the two.
 double likely_depth(double proportion, const FrameShape& shape) {
   const double elongation = std::log(shape.length / shape.height);
   const double middle = std::sqrt(shape.length * shape.height);

@@ -44,10 +44,10 @@ struct SideLine {
 };
 
 // Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1; straight. How
-// far to look and how thick the stroke is likely to be go by the frame's shape.
+// far to look and how thick the stroke is likely to be follow from the frame's shape.
 SideLine side_of(const Quad& quad, std::size_t i, const FrameShape& shape = {});
 
-// The side through two points; in all else as another one.
+// The side through two points; otherwise as another one.
 SideLine line_through(PixelPoint begin, PixelPoint end, SideLine other = {});
 
 // The taper of a side's stroke when the quadrilateral is a rectangle seen in perspective.

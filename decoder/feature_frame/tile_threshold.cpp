@@ -29,7 +29,7 @@ using Halves = std::uint64_t __attribute__((vector_size(kLanes)));
 Bytes least_of(Bytes a, Bytes b) { return a < b ? a : b; }
 Bytes greatest_of(Bytes a, Bytes b) { return a > b ? a : b; }
 
-// The fold of the eight bytes of each half, in the half's lowest byte.
+// The eight bytes of each half combined into one, in the half's lowest byte.
 template <class Fold>
 Halves fold_halves(Bytes values, const Fold& fold) {
   for (const int shift : {32, 16, 8}) {
@@ -110,7 +110,7 @@ std::uint64_t dark_bits(const std::uint8_t* samples, const std::uint8_t* thresho
 using Pairs = std::uint16_t __attribute__((vector_size(kLanes)));
 using Quads = std::uint32_t __attribute__((vector_size(kLanes)));
 
-// Bits of 16 pixels; their sign bits gathered, which the compiler has no portable word for.
+// Bits of 16 pixels: their sign bits gathered, for which compilers have no portable operation.
 std::uint64_t dark_bits16(const std::uint8_t* samples, Quads thresholds) {
   using Chars = char __attribute__((vector_size(kLanes)));
   Bytes values;

@@ -33,8 +33,8 @@ struct TileMask {
   std::vector<std::uint8_t> tiles;  // 0 or 1
 };
 
-// With a mask of the image's tiles only those of the mask, and some beside them, are looked at; the
-// others get 255 and 0, which no neighbour is darker or brighter by.
+// With a mask of the image's tiles only those of the mask, and some beside them, are computed; the
+// others get 255 and 0, so that no neighbour is darker or brighter.
 TileExtremes tile_extremes(const GrayView& image, const TileMask* searched = nullptr);
 
 // Per tile, a threshold and how much the 3 x 3 tiles around it differ; grids as those of the
@@ -75,7 +75,7 @@ struct DarkPixels {
 
 // Thresholds the image. Where that gives more than `max_changes` changes of colour along its rows,
 // the tiles with the least contrast become flat until about so many are left: a frame is among the
-// sharpest contrasts in a picture, and its texture and noise are without end.
+// sharpest contrasts in a picture, and texture and noise have no limit.
 DarkPixels mark_dark(const GrayView& image, TileThresholds thresholds, std::size_t max_changes);
 
 }  // namespace tagsmith::detail

@@ -20,9 +20,9 @@ struct SideTuning {
   double scanned = 0.92;     // of a side's length: leaves the corners out
   double least_shown = 0.5;  // of the profiles across a side that must agree on one edge
   double tolerance = 0.6;    // pixels off a line of what agrees with it
-  double agreed = 0.85;      // of the profiles: as good as all
-  // Of the logarithm of the frame's proportions: what a side must show of them to tell which of
-  // the two it is.
+  double agreed = 0.85;      // of the profiles: as good as all of them
+  // Of the logarithm of the frame's proportions: how clearly a side must show which of the two it
+  // is.
   double clear_elongation = 0.42;
   double least_reach = 1.5;  // pixels to either side of the edge that are looked at
   double most_reach = 8;
@@ -41,7 +41,7 @@ struct EdgeFitTuning {
   double least_residual = 3;  // grey levels: of a pixel's noise, of the scale of Cauchy weights
   double start_blur = 0.6;    // pixels
   int rounds = 4;             // of fits through a lens and bows that these change
-  // Where some of a side's samples are of something else, its edge is looked for slice by slice.
+  // Where some of a side's samples are of something else, its edge is searched slice by slice.
   double least_fitting = 0.8;   // mean weight of the samples; with less, the edge may be covered
   double most_residual = 0.1;   // of the contrast, the scale of the Cauchy weights; or with more
   double slice_contrast = 0.5;  // of the side's, in a slice that shows the edge
@@ -49,20 +49,21 @@ struct EdgeFitTuning {
 };
 inline constexpr EdgeFitTuning kEdgeFit;
 
-// What the sides tell of sharpening. Set by `./dev bench chain` with seed 1, tried with seed 2.
+// How sharpening is determined from the sides. Set by `./dev bench chain` with seed 1, tried with
+// seed 2.
 struct SharpeningTuning {
   double beyond_px = 5;     // pixels of white to either side of the stroke, undone around it
   double model = 1;         // grey levels that a profile may be off its model
   double dirt = 8;          // grey levels of the scale of the Cauchy weights
   double usual_px = 1.6;    // standard deviation of the mask's Gaussian
-  double worth = 2.5;       // of the square of standard deviations, to look closer
+  double worth = 2.5;       // of the square of standard deviations, for a closer look
   double clear = 12;        // of twice the logarithm of the likelihood ratio
   double doubt = 0.35;      // of what undoing or growth moves; of what stroke and bars differ by
-  double thin_stroke = 10;  // pixels, of a stroke that tells by how much edges are moved
+  double thin_stroke = 10;  // pixels, of a stroke that shows by how much edges are moved
 };
 inline constexpr SharpeningTuning kSharpening;
 
-// What the corners may be off by beyond what noise explains, as seen on the ray-traced photos of
+// The error of the corners beyond what noise explains, as seen on the ray-traced photos of
 // docs/accuracy.md. Why: docs/decisions/0007-corner-covariance.md.
 struct CornerTuning {
   double alike = 1.8;   // factor of variances: compression makes neighbouring pixels' noise alike
@@ -75,12 +76,12 @@ struct CornerTuning {
   // Pixels that edges of shadows beside the sides of a plate and across them may move these by
   // (`./dev bench photos -s 0.1`).
   double in_shadow = 0.12;
-  // Chi-square by a place, from which on bars or frame are wrong, or of another layout.
+  // Chi-square by a place, above which bars or frame are wrong, or of another layout.
   double most_contradiction = 10;
 };
 inline constexpr CornerTuning kCorner;
 
-// What the sides tell of an unknown lens; chosen by `./dev bench lens`.
+// How an unknown lens is estimated from the sides; chosen by `./dev bench lens`.
 // Why: docs/decisions/0006-lens-and-tone.md.
 struct LensTuning {
   double most = 0.8;    // of 1, at the farthest corner; in the image's where none is seen
@@ -88,9 +89,9 @@ struct LensTuning {
 };
 inline constexpr LensTuning kLens;
 
-// How tiles and regions of them are taken for bars. Chosen by `./dev bench frameless` and `bench
+// Which tiles and regions of them count as bars. Chosen by `./dev bench frameless` and `bench
 // photos` on the dark and dirty photos. With strengths of 50 to 90, shares of 0.2 to 0.3 and
-// cosines of 0.7 to 0.9 those read differ by a photo or two.
+// cosines of 0.7 to 0.9 the numbers read differ by a photo or two.
 struct BarRegionTuning {
   int least_tile = 200;        // strength of one tile: 6 grey levels from pixel to pixel
   float least_strength = 70;   // of a tile among its neighbours: 2 grey levels
@@ -102,10 +103,10 @@ struct BarRegionTuning {
 };
 inline constexpr BarRegionTuning kBarRegion;
 
-// A frame whose sides do not show as a whole, found around bars by scan lines outwards from them.
+// A frame whose sides are not wholly visible, found around bars by scan lines outwards from them.
 struct FrameAroundTuning {
   int scan_lines = 28;         // for each side; slopes to both sides
-  double of_best = 0.75;       // of those that fall on the line which shows best
+  double of_best = 0.75;       // of those that fall on the most visible line
   std::size_t most_lines = 4;  // above and below the bars, tried in pairs
   double most_slope = 0.8;     // of a plate seen and turned obliquely
   // From the bars' middle: of their height beyond their ends, of their length beside them.
