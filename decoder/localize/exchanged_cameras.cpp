@@ -20,7 +20,7 @@ bool shows_tags_of(const Observation& row, const std::string& camera) {
   });
 }
 
-// Rows that show tags in both cameras: a photo by itself fits a place in either.
+// Rows that show tags in both cameras: a single photo fits a place in either.
 std::vector<Observation> compared_rows(const std::vector<Observation>& rows, const std::string& one,
                                        const std::string& other) {
   constexpr std::size_t kMost = 40;

@@ -12,8 +12,8 @@
 namespace tagsmith::detail {
 
 // Where three rows and seven in ten of those that show tags in two cameras fit a place of the
-// vehicle once these cameras' photos are exchanged, and at most half as many do as stated: takes
-// what the two cameras show out of all rows, which then say why. Rows of a long run are taken
+// vehicle once these cameras' photos are exchanged, and at most half as many do as stated: removes
+// what the two cameras show from all rows, which then say why. Rows of a long run are sampled
 // evenly. Returns what is wrong; empty where nothing is.
 std::string leave_out_exchanged(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
                                 const Rig& rig);

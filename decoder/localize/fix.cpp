@@ -22,8 +22,8 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// How a kind of mistake is called in JSON and in a sentence, where the name of what it is about
-// follows.
+// The name of a kind of mistake in JSON, and its name in a sentence, where the name of the object
+// concerned follows.
 struct KindWords {
   const char* kind;
   const char* mistake;

@@ -17,7 +17,7 @@
 
 namespace tagsmith::detail {
 
-// How the vehicle stands, radians.
+// The vehicle's attitude, radians.
 struct Attitude {
   double heading = 0;  // of its x axis, from +y towards +x of the grid
   double pitch = 0;    // positive nose down
@@ -27,14 +27,14 @@ struct Attitude {
 // Of x, y, z, heading, pitch, roll; metres and radians, squared.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
-// A tag seen or a range measured that the position does not rest on.
+// A tag seen or a range measured that is not used for the position.
 struct Dropped {
   std::string name;    // of the tag or the range
   std::string camera;  // that saw the tag; empty for a range
   std::string reason;
 };
 
-// A range as measured less what all else says of it.
+// A range as measured minus the value that all other measurements give.
 struct CheckedRange {
   std::string name;
   double metres = 0;
@@ -45,7 +45,7 @@ struct CheckedRange {
 // covariance.
 struct ErrorBudget {
   Eigen::Matrix3d pixels = Eigen::Matrix3d::Zero();       // where edges were found in the images
-  Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();        // where the camera may have put them
+  Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();        // what the camera may move them by
   Eigen::Matrix3d survey = Eigen::Matrix3d::Zero();       // the plates' surveyed places
   Eigen::Matrix3d coding = Eigen::Matrix3d::Zero();       // rounding of coded positions
   Eigen::Matrix3d ranges = Eigen::Matrix3d::Zero();       // range sensors
@@ -53,7 +53,7 @@ struct ErrorBudget {
   Eigen::Matrix3d vehicle = Eigen::Matrix3d::Zero();      // how level and how high it stands
 };
 
-// The corners of one tag in one image, clockwise from P, and where the fix says they should be.
+// The corners of one tag in one image, clockwise from P, and where the fix predicts them.
 struct FittedCorners {
   std::string camera;
   std::string tag;
@@ -63,7 +63,7 @@ struct FittedCorners {
   bool is_part = false;  // only a part of the tag is in sight
 };
 
-// A mistake that nothing in the measurement would reveal, were it made.
+// A mistake that nothing in the measurement would reveal if it were made.
 struct Unchecked {
   enum class Kind {
     plate_place,     // a plate hangs elsewhere than surveyed; `name`: the tag
@@ -74,8 +74,8 @@ struct Unchecked {
     all_lenses,      // the same for all cameras
     range,           // a range sensor measures something else; `name`: the range
     vehicle_height,  // the vehicle is higher or lower than the rig says
-    // What no single measurement can reveal, so that every position lists it: all cameras stand
-    // elsewhere on the vehicle alike, all photos are of another moment, the survey is shifted or
+    // What no single measurement can reveal, so that every position lists it: all cameras are
+    // displaced alike on the vehicle, all photos are of another moment, the survey is shifted or
     // turned as a whole.
     all_mountings,
     moment,
@@ -83,7 +83,7 @@ struct Unchecked {
   };
   Kind kind = Kind::plate_place;
   std::string name;
-  double metres = 0;  // how far it could move the position at most; of what is always listed, none
+  double metres = 0;  // how far it could move the position at most; 0 for what is always listed
 };
 
 // The kind as JSON has it: "plate_place".
@@ -92,7 +92,7 @@ const char* to_string(Unchecked::Kind kind);
 // "the place of 003L", "the lens of camera left".
 std::string to_string(const Unchecked& unchecked);
 
-// The note of a fix that rests on one tag: what moves the plate along its wall, or swaps it with
+// The note of a fix that uses one tag: what moves the plate along its wall, or swaps it with
 // another of the same wall, moves the position with it, whatever ranges and priors say.
 inline constexpr const char* kOneTagOnly = "one tag only: a wrong plate would go unnoticed";
 
@@ -105,9 +105,9 @@ struct Fix {
   std::vector<std::string> ranges;  // names of the ranges used
   std::vector<CheckedRange> checked_ranges;  // with an attitude, all within their sensors' limits
   std::vector<Dropped> dropped;              // tags and ranges that contradict the position
-  // How many agree with the position that need not, were one of its plates wrong: the tags it rests
-  // on but one, and the motion where that rests on another tag. With 0 a plate that hangs elsewhere
-  // than surveyed, or bears another's code, goes unnoticed.
+  // How many agree with the position although one of its plates may be wrong: the tags that it uses
+  // minus one, and the motion where that rests on another tag. With 0, a plate that hangs elsewhere
+  // than surveyed, or bears another's code, is not noticed.
   int confirmations = 0;
   // In the survey's grid, metres; there exactly when the measurement was located.
   std::optional<Eigen::Vector3d> position_in_grid;
@@ -117,17 +117,17 @@ struct Fix {
   std::optional<PoseCovariance> pose_covariance_in_grid;
   std::optional<ErrorBudget> budget;
   std::vector<FittedCorners> corners;  // with an attitude, of every tag that was looked at
-  double chi_square = 0;               // of what the fix rests on, weighted residuals squared
-  // By how much the covariance is raised over what was stated because chi-square asks for it.
+  double chi_square = 0;               // of what the fix uses, weighted residuals squared
+  // The factor by which the covariance is raised above the stated one because of chi-square.
   double variance_factor = 1;
   // What would go unnoticed and move the position by more than four standard deviations, and what
   // no single measurement can reveal. Empty without a position.
   std::vector<Unchecked> unchecked;
-  int degrees_of_freedom = 0;      // expectation of chi_square; 0 = nothing to check it by
-  bool predicted = false;          // from the run's motion: nothing of its own was used
+  int degrees_of_freedom = 0;      // expectation of chi_square; 0 = it cannot be checked
+  bool predicted = false;          // from the run's motion: nothing of this row was used
   std::string reason;              // why there is no position; empty with one
   std::vector<std::string> notes;  // what a user of the position should know
-  std::string doubt;               // why none of a drive's positions is relied on; empty = none
+  std::string doubt;               // why none of a drive's positions should be used; empty = none
 };
 
 // "ok" or "no_position".
@@ -136,10 +136,10 @@ std::string status_of(const Fix& fix);
 // The survey whose tags were used; without one, the first.
 const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys);
 
-// How a vehicle with a position and an attitude stands in the world of the survey with this grid.
+// The pose of a vehicle with a position and an attitude in the world of the survey with this grid.
 Pose world_from_vehicle(const Fix& fix, const Grid& grid);
 
-// The position with a note that it is not to be relied on and why, and nothing that confirms it.
+// The position with a note that it should not be used and why, and without confirmations.
 Fix doubted(Fix fix, std::string why);
 
 // The fix, or no position with the reason where nothing confirms it.
@@ -159,8 +159,8 @@ struct FixSummary {
   int located = 0;
   int confirmed = 0;                   // of the located, those with a confirmation
   std::optional<FixError> mean_error;  // (27) and (25), over the measurements that have an error
-  std::optional<FixError> error95;     // that 95 % of them do not exceed, of each by itself
-  std::optional<FixError> max_error;   // of each by itself
+  std::optional<FixError> error95;     // that 95 % of them do not exceed, each component separately
+  std::optional<FixError> max_error;   // each component separately
 };
 
 // `fixes[i]` belongs to `measurements[i]`.

@@ -21,11 +21,11 @@
 
 namespace tagsmith::detail {
 
-// ---- The fit once it is known what it rests on.
+// ---- The fit once the measurements that it uses are known.
 
 namespace {
 
-// A pose, and how well it is known with everything that survey and rig call uncertain.
+// A pose, and its covariance with everything that survey and rig call uncertain.
 struct SettledFit {
   JointState state;
   VehicleCovariance covariance = VehicleCovariance::Zero();  // world axes, as of JointFit
@@ -34,12 +34,13 @@ struct SettledFit {
   int degrees_of_freedom = 0;
 };
 
-// A fit that may change the calibration spreads noise over it and trusts ranges more; one that
-// weighs corners by an error of all edges alike no longer tells the better corner. Where the same
-// measurements agree with calibration and edges as they are said (they would disagree more once in
-// a thousand), the pose is the one by these; else it is the fit's own. The covariance is
-// that of the error about the pose: the fit's own, and the square of how far the two poses are
-// apart, which counts as of the calibration. Why: docs/decisions/0020-unstated-is-not-exact.md.
+// A fit that may change the calibration spreads noise over it and gives ranges more weight; one
+// that weighs corners by an error common to all edges no longer distinguishes the better corner.
+// Where the same measurements agree with calibration and edges as stated (they would disagree more
+// once in a thousand), the pose is the one from these; otherwise it is the fit's own. The
+// covariance is that of the error about the pose: the fit's own, plus the square of the difference
+// between the two poses, which is added to the calibration's part. Why:
+// docs/decisions/0020-unstated-is-not-exact.md.
 SettledFit settled(const JointProblem& problem, const JointFit& fit) {
   constexpr double kBorneOut = 3.1;  // of a normal value: once in a thousand
   SettledFit result{fit.state, fit.vehicle_covariance(), budget_of(problem, fit), fit.chi_square,
@@ -74,9 +75,9 @@ using Eigen::Vector3d;
 // Why: docs/decisions/0010-position-consensus-and-confirmation.md.
 // The likelihoods of two poses of the same tags must differ by this much of -2 log: odds of 20 000.
 constexpr double kClearlyBetterPose = 20;
-// Standard deviations may be understated by a factor of two. What needs larger ones is a mistake,
-// whose effect is no noise: positions by `bench wrong_world` were up to nine raised standard
-// deviations off where a factor of three was allowed.
+// Standard deviations may be understated by a factor of two. A larger factor means a mistake, whose
+// effect is no noise: positions by `bench wrong_world` were up to nine raised standard deviations
+// off where a factor of three was allowed.
 constexpr double kMostVarianceFactor = 4;
 // Chi-square raises the covariance where right measurements exceed it once in a hundred (a normal
 // value exceeds 2.33).
@@ -120,7 +121,7 @@ NamedProblem problem_for(const Observation& observation, std::size_t survey_inde
   return named;
 }
 
-// --- belief ---
+// --- poses and votes ---
 
 // Grid coordinates in metres and the heading in degrees.
 std::string pose_text(const Grid& grid, const VehiclePose& vehicle) {
@@ -137,8 +138,8 @@ std::string tags_text(const JointProblem& problem, const JointFit& fit) {
   return fmt::format("{}", fmt::join(names, " "));
 }
 
-// How many of all tags and ranges that were measured agree with a fit and how many do not, be it
-// that they fit no pose at all.
+// How many of all tags and ranges that were measured agree with a fit and how many do not; those
+// that fit no pose at all count as not agreeing.
 struct Votes {
   std::size_t tags_for = 0;
   std::size_t tags_against = 0;
@@ -158,7 +159,7 @@ Votes votes_on(const JointProblem& problem, const JointFit& fit) {
   return {tags_for, seen.size() - tags_for, ranges_for, problem.ranges.size() - ranges_for};
 }
 
-// Why the best candidate is not to be believed.
+// Why the best candidate is not believed.
 struct Doubt {
   std::string reason;
   bool contradiction = false;  // between tags: understated standard deviations may explain it
@@ -188,7 +189,7 @@ std::optional<Doubt> doubt_by_rivals(const JointProblem& problem, const PoseSear
   return std::nullopt;
 }
 
-// What a lone tag has against it: with a second one the stance and a range would be outvoted.
+// What speaks against a single tag: with a second one, stance and range would be outvoted.
 std::optional<Doubt> doubt_of_lone_tag(const JointProblem& problem, const JointFit& fit) {
   const std::string stance = unlikely_stance(problem, fit, kLoneStanceGate);
   if (stance.empty()) return std::nullopt;
@@ -213,8 +214,8 @@ std::optional<Doubt> doubt_by_votes(const JointProblem& problem, const JointFit&
                true};
 }
 
-// Each photo is one witness of where the vehicle was when it was taken, however many tags it shows:
-// a camera may have repeated an older photo, or the run's list may have another row's.
+// Each photo counts once for where the vehicle was when it was taken, however many tags it shows: a
+// camera may have repeated an older photo, or the run's list may name another row's.
 std::optional<Doubt> doubt_by_photos(const NamedProblem& named, const JointFit& fit,
                                      const Grid& grid) {
   std::set<std::string> agreeing;
@@ -270,8 +271,8 @@ std::string calibration_name(const Rig& rig, std::size_t parameter) {
   return "the calibration";
 }
 
-// A camera that stands or looks elsewhere than the rig says, or has another lens, by what all tags
-// say together: the fit took its part in it up, and the position is off with it.
+// A camera that stands or looks elsewhere than the rig says, or has another lens, as far as all
+// tags together show it: the fit absorbed part of this error, so the position is wrong, too.
 std::optional<Doubt> doubt_by_calibration(const JointProblem& problem, const JointFit& fit,
                                           const Grid& grid) {
   constexpr double kGate = 4;  // one of twenty parameters is farther off once in 800 measurements
@@ -297,8 +298,8 @@ double variance_factor(const JointFit& fit) {
   return fit.chi_square < limit ? 1 : fit.chi_square / fit.degrees_of_freedom;
 }
 
-// The factor with which the position without any one of the plates lies within three standard
-// deviations of the position with all.
+// The factor with which the position without any one plate is within three standard deviations of
+// the position with all plates.
 double factor_for_any_plate(const JointFit& fit) {
   constexpr double kWithin = 3;
   const Vector3d variances = fit.covariance.diagonal().head<3>();
@@ -329,7 +330,7 @@ std::optional<Believed> reconciled(const JointProblem& problem, const PoseSearch
   return Believed{std::move(candidate->fit), factor};
 }
 
-// What of the search is to be believed, or why nothing is.
+// The result of the search that is believed, or why none is.
 tl::expected<Believed, std::string> judge(const NamedProblem& named, PoseSearch& search,
                                           const Grid& grid) {
   const JointProblem& problem = named.problem;
@@ -356,7 +357,8 @@ tl::expected<Believed, std::string> judge(const NamedProblem& named, PoseSearch&
 
 // --- the fix ---
 
-// Why a sighting does not agree: the plate stands elsewhere, or its corners are no plate's there.
+// Why a sighting does not agree: the plate stands elsewhere, or its corners do not fit a plate
+// there.
 std::string describe(const Disagreement& difference) {
   if (difference.shift_chi_square < chi_square_limit(3, kPoseShiftGate)) {
     return fmt::format(
@@ -439,8 +441,8 @@ ErrorBudget grid_budget(const Grid& grid, const VehicleBudget& budget, double fa
           part(budget.ranges), part(budget.calibration), part(budget.vehicle)};
 }
 
-// The note of what would go unnoticed although it moves the position by a decimetre or more;
-// empty where there is none.
+// The note about mistakes that would not be noticed although they move the position by a decimetre
+// or more; empty where there are none.
 std::string unchecked_text(const std::vector<Unchecked>& unchecked) {
   constexpr double kWorthANote = 0.1;  // metres
   std::vector<std::string> parts;
@@ -508,7 +510,7 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
   add_notes(fix);
 }
 
-// Why no tag allows a pose; what several tags have in common is said once.
+// Why no tag allows a pose; a reason that several tags share is stated once.
 std::string no_pose(const NamedProblem& named, const PoseSearch& search) {
   std::vector<std::string> reasons;
   std::vector<std::string> tags;
@@ -586,8 +588,8 @@ Observation with_part(Observation observation, const SeenPart& part, std::size_t
   return observation;
 }
 
-// Whether a position rests on a whole tag. Parts may belong to plates of no survey whose digits in
-// sight are the same, and those of a drive that is laid out alike agree with each other, too.
+// Whether a position uses a whole tag. Parts may belong to plates of no survey whose digits in
+// sight are the same, and those of a drive with the same layout agree with each other, too.
 bool rests_on_a_whole_tag(const Fix& fix) {
   return std::ranges::any_of(fix.tags, [&](const std::string& tag) {
     return std::ranges::none_of(
@@ -601,8 +603,8 @@ bool is_used(const Fix& fix, const SeenPart& part, const PlacedTag& tag) {
          });
 }
 
-// The fix with a part that may be several tags, where the position that is known without it agrees
-// with exactly one of them.
+// The fix with a part that may be several tags, where the position without it agrees with exactly
+// one of them.
 void settle_part(const SeenPart& part, const std::vector<Survey>& surveys, std::size_t survey,
                  const Rig& rig, Observation& observation, Fix& fix) {
   std::vector<std::pair<Observation, Fix>> agreeing;
@@ -660,7 +662,7 @@ Fix without_tags(const Observation& observation) {
   return fix;
 }
 
-// Of fixes by the tags of different surveys, the one that rests on most tags.
+// Of fixes by the tags of different surveys, the one that uses most tags.
 Fix choose(std::vector<Fix> fixes) {
   const auto rank = [](const Fix& fix) {
     return fix.position_in_grid ? static_cast<int>(fix.tags.size()) : 0;

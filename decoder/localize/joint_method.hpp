@@ -14,20 +14,20 @@ namespace tagsmith::detail {
 
 // The vehicle's pose.
 //
-// Start: each seen tag by itself allows one or two poses (plate_poses). Each is fitted and asked
-// which other tags agree with it; the largest set of tags that agree is fitted together, tags that
-// contradict it are dropped, and ranges that contradict the tags are dropped. What was dropped
-// stands in the fix with the reason.
+// Start: each seen tag alone allows one or two poses (plate_poses). Each is fitted, and the other
+// tags that agree with it are determined; the largest set of tags that agree is fitted together,
+// tags that contradict it are dropped, and ranges that contradict the tags are dropped. What was
+// dropped is listed in the fix with the reason.
 //
 // No position, with the reason: no tag; as many tags contradict the largest set as it has; one
 // nearly frontal or far tag (or several on one plane) allows two poses that the measurements do not
-// tell apart; the solution lies in the rock, or the vehicle would have to lean or float (six
-// standard deviations of the rig's, by a single tag four); every one of several ranges contradicts
-// a single tag.
+// distinguish; the solution lies in the rock, or the vehicle would have to lean or float (six
+// standard deviations of the rig's, with a single tag four); every one of several ranges
+// contradicts a single tag.
 //
 // Parts of tags count like tags where what is in sight fits one tag of the survey; where it fits
-// several, that one is taken with which a position that is known without it agrees. Parts
-// without a whole tag give no position.
+// several, the one is used that agrees with a position computed without the part. Parts without a
+// whole tag give no position.
 //
 // Covariance: that of the fit, in which corners (their own covariance), plates (surveyed places,
 // angles against the wall, rounding of coded positions), calibration, ranges and the vehicle's

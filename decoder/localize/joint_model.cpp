@@ -43,8 +43,8 @@ void place_columns(const CalibrationLayout& layout, const SightingRows& rows, st
   }
 }
 
-// How the vehicle stands against how it should by the floor below it: height, pitch and roll, each
-// over its standard deviation.
+// The vehicle's stance minus the expected one on the floor below it: height, pitch and roll, each
+// divided by its standard deviation.
 struct PriorRows {
   Eigen::Matrix<double, kPriorRows, 1> residual;
   Eigen::Matrix<double, kPriorRows, kVehicleCount> jacobian;
@@ -89,7 +89,7 @@ std::vector<WhitenedRows::Plate> group_by_plate(const JointProblem& problem,
   return plates;
 }
 
-// Everything that one linearisation needs, for Ceres and for what comes after.
+// Everything that one linearisation needs, for Ceres and for the steps after it.
 class Linearisation {
  public:
   using Scalar = double;
@@ -259,7 +259,8 @@ Eigen::Matrix<double, 6, 1> variance_of(const SightedPlate& plate) {
 std::optional<JointFit> fit_jointly(const JointProblem& problem, const Selection& selection,
                                     const VehiclePose& start) {
   JointState state{start, {}};
-  // The weights hold during a solution; the second starts where they hardly change any more.
+  // The weights are constant during a solution; the second starts where they hardly change any
+  // more.
   for (const int iterations : {30, 10}) {
     Linearisation linearisation(problem, selection, state);
     if (!linearisation.weigh(state)) return std::nullopt;
@@ -336,7 +337,7 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
 }
 
 ParameterDifference greatest_calibration_difference(const JointFit& fit) {
-  constexpr double kLeastShare = 1e-4;  // of its variance that the fit takes away, to be checked
+  constexpr double kLeastShare = 1e-4;  // of its variance that the fit removes, to be checked
   ParameterDifference greatest;
   const WhitenedRows& rows = fit.rows;
   const Index count = rows.residual.size() - rows.calibration_begin;
@@ -353,7 +354,7 @@ ParameterDifference greatest_calibration_difference(const JointFit& fit) {
 
 RangeDifference range_difference(const JointProblem& problem, const JointFit& fit,
                                  std::size_t index) {
-  constexpr double kLeastShare = 0.01;  // of the range's variance: nearly all the fit knows is it
+  constexpr double kLeastShare = 0.01;  // of the range's variance: with less, the fit knows only it
   const WallRange& range = problem.ranges[index];
   const ObservedWall wall = observe_wall(
       problem.tunnel->centerline, wall_of(*problem.tunnel, range.wall), fit.state.vehicle.position);
@@ -364,7 +365,7 @@ RangeDifference range_difference(const JointProblem& problem, const JointFit& fi
   if (std::ranges::find(fit.selection.ranges, index) == fit.selection.ranges.end()) {
     return {residual, residual / std::sqrt(own + of_fit)};
   }
-  // A fit that rests on it moved towards it by of_fit / own of the difference.
+  // A fit that uses it moved towards it by of_fit / own of the difference.
   const double left = std::max(own - of_fit, kLeastShare * own);
   return {residual * own / left, residual / std::sqrt(left)};
 }

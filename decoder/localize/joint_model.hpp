@@ -35,7 +35,7 @@ struct JointProblem {
   bool edges_weigh = true;  // pictures are weighed with the sightings' errors of edges
 };
 
-// What a fit rests on, by index.
+// What a fit uses, by index.
 struct Selection {
   std::vector<std::size_t> sightings;
   std::vector<std::size_t> ranges;
@@ -48,8 +48,8 @@ struct JointState {
   Eigen::VectorXd calibration;
 };
 
-// What the fit rests on, each group scaled by its covariance: the plates in the order of
-// `plates`, the ranges, the vehicle's three (height, pitch, roll), the calibration's.
+// The measurements that the fit uses, each group scaled by its covariance: the plates in the order
+// of `plates`, the ranges, the vehicle's three (height, pitch, roll), the calibration's.
 struct WhitenedRows {
   struct Plate {
     std::size_t plate = 0;
@@ -65,7 +65,7 @@ struct WhitenedRows {
   Eigen::MatrixXd jacobian;
 };
 
-// A fit and what it rests on.
+// A fit and the measurements that it uses.
 struct JointFit {
   JointState state;
   Selection selection;
@@ -82,7 +82,7 @@ struct JointFit {
 std::optional<JointFit> fit_jointly(const JointProblem& problem, const Selection& selection,
                                     const VehiclePose& start);
 
-// How far apart what was measured and what a fit without it predicts are.
+// The difference between a measurement and its prediction by a fit without it.
 struct Disagreement {
   double chi_square = 0;        // of all corners' coordinates
   int degrees_of_freedom = 0;   // of chi_square
@@ -90,11 +90,11 @@ struct Disagreement {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of the plate, world frame, metres
 };
 
-// Of a sighting that the fit does not rest on. Nothing when the plate cannot be seen from there.
+// Of a sighting that the fit does not use. Nothing when the plate cannot be seen from there.
 std::optional<Disagreement> disagreement(const JointProblem& problem, const JointFit& fit,
                                          std::size_t sighting);
 
-// Of a plate (index in fit.rows.plates) that the fit rests on, against the rest.
+// Of a plate (index in fit.rows.plates) that the fit uses, against the rest.
 Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
                                  std::size_t index);
 
@@ -103,33 +103,33 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
 // Regression", 2.2).
 Eigen::Vector3d position_shift_without(const JointFit& fit, std::size_t index);
 
-// A parameter of the calibration (index of the layout), and how far all that was measured puts it
-// from its stated value, standard deviations of the difference.
+// A parameter of the calibration (index of the layout), and how far all measurements put it from
+// its stated value, standard deviations of the difference.
 struct ParameterDifference {
   std::size_t parameter = 0;
   double sigmas = 0;
 };
 
-// The greatest. Chi-square of the whole spreads one wrong parameter over all rows, this test looks
+// The greatest. Chi-square of the whole spreads one wrong parameter over all rows; this test looks
 // in its direction (Baarda 1968, "A testing procedure for use in geodetic networks").
 ParameterDifference greatest_calibration_difference(const JointFit& fit);
 
-// A range as measured less what the fit predicts for it without it.
+// A range as measured minus the value that the fit predicts without it.
 struct RangeDifference {
   double metres = 0;
   double sigmas = 0;  // standard deviations of the difference
 };
 
-// Whether or not the fit rests on it.
+// Whether or not the fit uses it.
 RangeDifference range_difference(const JointProblem& problem, const JointFit& fit,
                                  std::size_t range);
 
-// The pixels where the fit sees a sighting's corners; nothing when it cannot.
+// The pixels where the fit predicts a sighting's corners; nothing when it cannot.
 std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& problem,
                                                             const JointState& state,
                                                             std::size_t sighting);
 
-// What of the vehicle's covariance comes from where.
+// The parts of the vehicle's covariance by their source.
 struct VehicleBudget {
   VehicleCovariance pixels = VehicleCovariance::Zero();
   VehicleCovariance edges = VehicleCovariance::Zero();

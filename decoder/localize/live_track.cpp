@@ -61,9 +61,9 @@ std::string contradiction(const Fix& fix, const MotionEstimate& expected,
 std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const Survey& survey,
                                        const RigCamera& camera) {
   constexpr double kSigmas = 3;
-  constexpr double kModelPixels = 2;    // what survey and calibration are off, roughly
+  constexpr double kModelPixels = 2;    // errors of survey and calibration, roughly
   constexpr double kMostOfTag = 1;      // of its height; beyond, a search is as good
-  constexpr double kLeastModule = 0.7;  // pixels: surely read
+  constexpr double kLeastModule = 0.7;  // pixels: read with certainty
   const Pose camera_from_world =
       inverse(world_from_vehicle(prior.vehicle) * camera.vehicle_from_camera);
   std::vector<ExpectedTag> expected = expected_tags(survey, camera.camera, camera_from_world, 0);

@@ -30,7 +30,7 @@ struct PosePrior {
 std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const Survey& survey,
                                        const RigCamera& camera);
 
-// The motion that the latest fixes agree on.
+// The motion on which the latest fixes agree.
 struct LiveTrack {
   std::size_t survey = 0;
   double time = 0;  // of the estimate, seconds
@@ -38,7 +38,7 @@ struct LiveTrack {
   double pitch = 0;
   double roll = 0;
   int used = 0;                   // fixes in the estimate
-  TrackTags tags;                 // that these fixes rest on
+  TrackTags tags;                 // that these fixes use
   std::set<std::string> refused;  // lone tags, unconfirmed, that the motion contradicted
 };
 
@@ -46,14 +46,14 @@ struct LiveTrack {
 std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
                                   const std::vector<Survey>& surveys, const MotionModel& motion);
 
-// Takes a fix of the joint method at `time` into the track, or begins one with it.
+// Adds a fix of the joint method at `time` to the track, or begins one with it.
 //
-// A fix that the motion contradicts begins a new track when it rests on several tags. When it rests
-// on one, a misprinted or misplaced plate is the likelier cause: it becomes "no position" with the
-// reason, until the track is older than the model's longest gap or confirms the tag; that the
-// motion grows uncertain meanwhile does not help it. A fix that the motion confirms (take_in) says
-// so, and a single tag's loses the note that nothing does. A time that is not after the track's
-// begins a new one, with a note.
+// A fix that the motion contradicts begins a new track when it uses several tags. When it uses one,
+// a misprinted or misplaced plate is the likelier cause: it becomes "no position" with the reason,
+// until the track is older than the model's longest gap or confirms the tag; the motion's growing
+// uncertainty does not make it acceptable. A fix that the motion confirms (take_in) says so, and a
+// single tag's loses the note that nothing does. A time that is not after the track's begins a new
+// one, with a note.
 Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
                  const std::vector<Survey>& surveys, const MotionModel& motion = {});
 

@@ -17,14 +17,14 @@
 namespace tagsmith::detail {
 namespace {
 
-// An image as far as it has been looked at.
+// An image and how far it has been searched.
 struct Look {
   const CameraImage* image = nullptr;
   TagSearch search;
   bool closer = false;
 };
 
-// The images that can be read; the others are faults.
+// The images that can be read; for the others a fault is added.
 std::vector<Look> begin_looks(std::span<const CameraImage> images,
                               const std::vector<Survey>& surveys,
                               const std::optional<PosePrior>& prior, Observation& observation) {
@@ -41,7 +41,7 @@ std::vector<Look> begin_looks(std::span<const CameraImage> images,
   return looks;
 }
 
-// What is known and what these looks show.
+// What is known already together with what these searches found.
 Observation observed(Observation observation, const std::vector<Look>& looks,
                      const std::vector<Survey>& surveys) {
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
@@ -77,15 +77,15 @@ bool is_settled(const Fix& fix, const std::vector<Look>& looks,
   return seen == static_cast<std::size_t>(whole);  // none of another survey
 }
 
-// Whether a point lies in the image, so far from its border as the reader wants bars to be.
+// Whether a point lies in the image, as far from its border as the reader needs bars to be.
 bool is_well_inside(const Camera& camera, const Eigen::Vector2d& pixel) {
   constexpr double kBorder = 12;  // pixels
   const Eigen::Vector2d margin(kBorder, kBorder);
   return in_image(camera, pixel - margin) && in_image(camera, pixel + margin);
 }
 
-// Whether a camera has a plate's bars, and the white beside them that the reader wants to see,
-// wholly in its image, from the front and large enough to be read for certain.
+// Whether a camera has a plate's bars, and the white beside them that the reader needs, wholly in
+// its image, from the front and large enough to be read with certainty.
 bool is_readable(const Camera& camera, const Pose& camera_from_plate, const TagTemplate& tag) {
   constexpr double kLeastModule = 0.7;  // pixels
   constexpr double kBeside = 0.08;      // of the bars' length

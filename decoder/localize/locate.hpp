@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From images straight to the position, looking no closer at them than the position needs.
+// From images straight to the position, searching them no closer than the position needs.
 #pragma once
 
 #include <map>
@@ -25,19 +25,19 @@ struct CameraImage {
   std::string name;  // for messages
 };
 
-// What localize_jointly makes of these images and ranges, mostly in half the time: the closer look
-// at an image (TagSearch) is spared where all that was measured agrees on a position by two tags or
-// more, and every tag of the survey whose bars should be wholly in the image and clear of its
-// border, at 0.7 pixels a module or more, has been read there. What that leaves unread stands
-// elsewhere than surveyed, and what agrees outvotes it, or adds little: the position is the same
-// but for such tags, which go unmentioned. With a prior the tags are looked for where they should
-// be first, as observe() does.
+// The result of localize_jointly for these images and ranges, mostly in half the time: the closer
+// look at an image (TagSearch) is left out where all that was measured agrees on a position by two
+// tags or more, and every tag of the survey whose bars should be wholly in the image and clear of
+// its border, at 0.7 pixels a module or more, has been read there. A tag that stays unread so hangs
+// elsewhere than surveyed and would be outvoted, or adds little: the position is the same except
+// that such tags are not mentioned. With a prior the tags are first looked for where they should
+// be, as observe() does.
 Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraImage> images,
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior = std::nullopt);
 
-// The same beside what is known already: tags seen otherwise, ranges, faults. What the images were
-// found to show is added to it.
+// The same with what is known already: tags seen otherwise, ranges, faults. What the images show is
+// added to it.
 Fix locate_with(Observation& known, std::span<const CameraImage> images,
                 const std::vector<Survey>& surveys, const Rig& rig,
                 const std::optional<PosePrior>& prior = std::nullopt);
@@ -45,7 +45,7 @@ Fix locate_with(Observation& known, std::span<const CameraImage> images,
 class PictureMemory;
 
 // The same for a measurement, whose images are loaded first. Pictures that the memory knows from
-// earlier measurements are left out. `seen` becomes what the measurement shows.
+// earlier measurements are left out. `seen` is set to what the measurement shows.
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior, PictureMemory& memory, Observation& seen);
 

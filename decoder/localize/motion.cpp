@@ -19,7 +19,7 @@ double shared_part(const Fix& fix) {
   const ErrorBudget& budget = *fix.budget;
   const double shared =
       (budget.edges + budget.survey + budget.coding + budget.calibration + budget.vehicle).trace();
-  constexpr double kMost = 0.9;  // a fix keeps some noise of its own, for the filter to weigh it by
+  constexpr double kMost = 0.9;  // some noise stays a fix's own, so that the filter can weigh it
   return std::clamp(shared / fix.covariance_in_grid->trace(), 0.0, kMost);
 }
 

@@ -37,7 +37,7 @@ struct MotionEstimate {
   MotionCovariance covariance = MotionCovariance::Zero();
 };
 
-// What a fix says of the vehicle's place.
+// What a fix measures of the vehicle's place.
 struct MeasuredPlace {
   VehiclePlace place;
   PlaceCovariance covariance;
@@ -47,7 +47,7 @@ struct MeasuredPlace {
 // Nothing without a position. The fix must have an attitude.
 std::optional<MeasuredPlace> measured_by(const Fix& fix);
 
-// Before the first fix: at that place, give or take a hundred metres and all headings.
+// Before the first fix: at that place, within a hundred metres and with any heading.
 MotionEstimate motion_from(const VehiclePlace& place, const MotionModel& motion);
 
 // The matrix that takes a state `dt` seconds on with its rates kept.
@@ -57,7 +57,7 @@ MotionCovariance transition_over(double dt);
 MotionEstimate predicted(const MotionEstimate& estimate, double dt, const MotionModel& motion);
 
 struct MotionUpdate {
-  MotionEstimate estimate;  // with the place taken in
+  MotionEstimate estimate;  // updated with the place
   double distance2 = 0;     // of the place from the motion, chi-square of four
   bool agrees = false;      // as all but one in 10,000 do
 };
@@ -65,17 +65,17 @@ struct MotionUpdate {
 // A Kalman filter's step: the prediction with what was measured at its time.
 MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured);
 
-// The tags that a track rests on.
+// The tags that a track uses.
 struct TrackTags {
   std::set<std::string> latest;     // of the latest fix
-  std::set<std::string> confirmed;  // seen with another at once, or handed over to or from one
+  std::set<std::string> confirmed;  // seen with another at once, or linked by motion to one
 };
 
-// Takes in the tags of a fix that agrees with the motion predicted for it. Whether that confirms
-// it: the latest fix saw another tag, the motion is known so well that a plate a decimetre off
-// would have been noticed, and the fix is where one in a hundred right ones is not; or the fix
-// rests on one tag, and that was confirmed before. A plate that hangs wrong is not confirmed by its
-// own earlier fixes.
+// Adds the tags of a fix that agrees with the motion predicted for it. Returns whether that
+// confirms it: the latest fix saw another tag, the motion is known so well that a plate a decimetre
+// off would have been noticed, and the fix lies within the limit that one in a hundred right ones
+// exceeds; or the fix uses one tag, and that was confirmed before. A plate that hangs wrong is not
+// confirmed by its own earlier fixes.
 bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdate& update,
              const Fix& fix);
 

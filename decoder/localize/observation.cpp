@@ -35,8 +35,8 @@ SeenCorners corners_in(const Reading& reading, const ReaderChoice& reader) {
   return seen_corners(reading.corners, reading.corner_covariance, reader.corner_sigma_px);
 }
 
-// A tag that no survey has, hung where its digits say: on the wall nearest to there. Nothing when
-// that is on no wall.
+// A tag that no survey has, hung where its digits say: on the wall nearest to that place. Nothing
+// when that is on no wall.
 std::optional<PlacedTag> at_coded_place(const Survey& survey, const Digits& digits) {
   constexpr double kFromWall = 0.1;  // metres; coding rounds by less
   const GridPoint coded = decode_position(survey.code, digits);
@@ -107,7 +107,7 @@ SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey) {
 namespace {
 
 // The covariance of corners in an image that is warped smoothly: over distances that are small
-// against the image, points are moved alike.
+// compared with the image, points are moved alike.
 CornerCovariance covariance_of_warp(const Sighting& sighting, const Camera& camera, double warp) {
   constexpr double kAlike = 0.3;  // of the distance from the centre to a corner of the image
   const Eigen::Vector2d center(camera.cx, camera.cy);

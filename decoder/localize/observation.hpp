@@ -61,10 +61,10 @@ struct Observation {
   std::vector<SeenTag> tags;
   std::map<std::string, double> ranges;  // by the rig's range names, metres
   std::vector<std::string> faults;       // unreadable images, images without a tag, unknown tags
-  std::vector<SeenPart> parts{};         // say where the vehicle is only together with other tags
+  std::vector<SeenPart> parts{};         // of use only together with other tags
   std::optional<double> time{};          // seconds, where it is known
   bool lacks_picture = false;            // one that was named could not be read
-  bool has_left_out = false;             // a picture was read and is not used; a fault says why
+  bool has_left_out = false;             // a picture was read but is not used; a fault says why
   std::map<std::string, std::uint64_t> pictures{};  // fingerprint (repeated_pictures.hpp) by camera
 };
 
@@ -72,13 +72,13 @@ struct Observation {
 struct ReaderChoice {
   std::function<ReadResult(const GrayView&, const ReadOptions&)> read;
   double corner_sigma_px = 0;  // of corners that the reader gives no covariance of
-  // Tags that are in no survey are taken too, at their coded positions (one survey only).
+  // Tags that are in no survey are used too, at their coded positions (one survey only).
   bool unsurveyed = false;
 };
 
-// Standard deviations of corners. Fitted edges: on the safe side of what noise and lens blur leave;
-// the closed form weighs its corners by it. The paper's pipeline: an outermost whole pixel, beside
-// a border that the opening moves.
+// Standard deviations of corners. Fitted edges: larger than the errors that noise and lens blur
+// leave; the closed form weighs its corners by it. The paper's pipeline: an outermost whole pixel,
+// beside a border that the opening moves.
 inline constexpr double kFittedCornerSigmaPx = 0.3;
 inline constexpr double kOutlineCornerSigmaPx = 1.0;
 
@@ -87,11 +87,11 @@ std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, const Dig
 std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, std::string_view name);
 
 // A reading's corners; by a reader that knew the camera, where its lens bends straight lines.
-// `covariance` zero = not estimated: `sigma_px` is taken instead.
+// `covariance` zero = not estimated: `sigma_px` is used instead.
 SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& covariance,
                          double sigma_px = kFittedCornerSigmaPx);
 
-// A tag of the survey where it should hang, with how surely it does.
+// A tag of the survey at its surveyed place, with the uncertainty of that.
 SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey);
 
 // `camera` (of the rig) and `plate`: indices in the problem that it is for.
@@ -100,13 +100,13 @@ Sighting sighting_of(const SeenCorners& seen, const Rig& rig, std::size_t camera
 
 // Loads and reads the measurement's images, one after the other, with the surveys' codes as code
 // book, and looks up the tags. With a prior they are looked for where they should be, and all over
-// the image when they are not all there. Never fails: what could not be used is a fault.
+// the image when some of them are missing there. Never fails: what could not be used is a fault.
 Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
                     const Rig& rig, const ReaderChoice& reader,
                     const std::optional<PosePrior>& prior = std::nullopt);
 
-// The picture in the file. Damage that its decoder made good is a fault of the observation, and so
-// is a file that cannot be read; of that there is no picture.
+// The picture in the file. Damage that the decoder repaired is recorded as a fault of the
+// observation, and so is a file that cannot be read; there is no picture of that.
 std::optional<GrayImage> load_observed(const std::filesystem::path& file, Observation& observation);
 
 // How to read a camera's image: with the surveys' codes as code book, and the tags that the prior
@@ -121,7 +121,7 @@ void add_result(Observation& observation, const ReadResult& result, const std::s
                 const RigCamera& camera, const std::vector<Survey>& surveys,
                 const ReaderChoice& reader);
 
-// Takes out what the pictures of these cameras show, and adds the fault that says why.
+// Removes what the pictures of these cameras show, and adds the fault that says why.
 void leave_out_pictures(Observation& observation, const std::set<std::string>& cameras,
                         std::string fault);
 

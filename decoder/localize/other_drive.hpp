@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photos of another drive than the surveys': their tags read, but by codes that no survey has.
+// Photos of another drive than the surveys': their tags are read, but their codes are in no survey.
 #pragma once
 
 #include <set>

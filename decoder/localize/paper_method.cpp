@@ -26,8 +26,8 @@
 namespace tagsmith::detail {
 namespace {
 
-// The paper gives both tags one height. A difference this large comes from no survey's noise, and
-// would enter z by half.
+// The paper gives both tags one height. A difference this large is no noise of a survey, and half
+// of it would enter z.
 constexpr double kMaxHeightDifference = 0.05;
 
 // A length and its standard deviation, metres.
@@ -63,8 +63,8 @@ Eigen::Matrix3d level_from_vehicle(double grade, const Lean& lean = {}) {
       .toRotationMatrix();
 }
 
-// The level camera that the paper takes for granted, at the place and with the heading of the
-// rig's: x right, y down, z forward, in a level vehicle's frame.
+// The level camera that the paper assumes, at the place and with the heading of the rig's: x right,
+// y down, z forward, in a level vehicle's frame.
 Eigen::Matrix3d level_camera(const Eigen::Matrix3d& level_from_camera) {
   constexpr double kVertical = 0.1;  // a camera that looks up or down has no heading of its own
   const Eigen::Vector3d down(0, 0, -1);
@@ -77,7 +77,7 @@ Eigen::Matrix3d level_camera(const Eigen::Matrix3d& level_from_camera) {
   return axes;
 }
 
-// A tag through a camera: what its corners' pixels say of D.
+// A tag seen by a camera: how D follows from its corners' pixels.
 class Sight {
  public:
   Sight(const Camera& camera, const Eigen::Matrix3d& level_from_camera, double edge)
@@ -168,7 +168,7 @@ class DistanceModel {
   double edge_ = 0;
 };
 
-// What one tag's D changes by, each by one standard deviation: pixels of its corners, what the rig
+// The changes of one tag's D, each by one standard deviation: pixels of its corners, what the rig
 // states of the camera's calibration, and the plate's attitude.
 std::vector<std::optional<double>> changes_of_distance(const DistanceModel& model,
                                                        const RigCamera& camera,
@@ -282,7 +282,8 @@ bool can_be_paired(const RangedTag& left, const RangedTag& right) {
   return left.seen->survey == right.seen->survey && left.seen->camera != right.seen->camera;
 }
 
-// Smaller is better. Chainages count to the millimetre, so that rounding decides nothing.
+// Smaller is better. Chainages are rounded to the millimetre, so that floating-point noise decides
+// nothing.
 auto rank_of(const TagPair& pair) {
   const PlacedTag& left = pair.left.seen->tag;
   const PlacedTag& right = pair.right.seen->tag;
@@ -308,8 +309,8 @@ Result<TagPair> choose_pair(const std::vector<RangedTag>& lefts,
   return *best;
 }
 
-// The least of the ranges to the left wall (Xu et al.: of the three sensors), those out of their
-// sensor's limits apart.
+// The least of the ranges to the left wall (Xu et al.: of the three sensors), without those outside
+// their sensor's limits.
 Result<Length> wall_distance(const Observation& observation, const Rig& rig) {
   std::optional<Length> least;
   std::string out_of_limits;
@@ -360,7 +361,7 @@ std::string broken_assumption(const ClosedFormInput& input) {
   return {};
 }
 
-// What one uncertain quantity does to the input, `step` standard deviations of it.
+// The effect of one uncertain quantity on the input, `step` standard deviations of it.
 using Disturbance = std::function<ClosedFormInput(double step)>;
 
 // The input when a tag really hangs `shift` (world) from where the survey has it: the angle and the
@@ -372,7 +373,7 @@ ClosedFormInput with_tag_moved(ClosedFormInput input, bool left, const Eigen::Ve
   const double stagger =
       input.tunnel_width * std::tan(input.pair_angle) + ahead * opening.dot(along);
   input.tunnel_width += opening.dot(right_of(input.heading));
-  // Of a pair that is staggered the other way round from there the closed form takes the angle
+  // Of a pair that is staggered the other way round from there the closed form uses the angle
   // alone.
   input.pair_angle = std::atan2(std::abs(stagger), input.tunnel_width);
   (left ? input.p1_in_world : input.p2_in_world) += shift;
@@ -387,7 +388,7 @@ Eigen::Vector3d from_o(const RangedTag& tag, double heading, const Lean& lean = 
 }
 
 // The closed form knows one point. D is measured from a camera that stands `left` and `right` from
-// it: from O, the tag lies so much before where it hangs.
+// it: seen from O, the tag lies by as much before the place where it hangs.
 ClosedFormInput seen_from_o(const ClosedFormInput& input, const Eigen::Vector3d& left,
                             const Eigen::Vector3d& right) {
   ClosedFormInput from = with_tag_moved(with_tag_moved(input, true, -left), false, -right);
@@ -395,8 +396,9 @@ ClosedFormInput seen_from_o(const ClosedFormInput& input, const Eigen::Vector3d&
   return from;
 }
 
-// By how much d is not the distance to the plane of the left plate where the wall bends, for a
-// vehicle as far back as D1 and d allow (the height of the tag above O brings it a little nearer).
+// By how much d differs from the distance to the plane of the left plate where the wall bends, for
+// a vehicle as far back as D1 and d allow (the height of the tag above O brings it a little
+// nearer).
 double wall_bend(const Survey& survey, const PlacedTag& left, const ClosedFormInput& input) {
   const double d = input.wall_distance;
   const double back = std::sqrt(std::max(input.distance1 * input.distance1 - d * d, 0.0));
@@ -407,7 +409,7 @@ double wall_bend(const Survey& survey, const PlacedTag& left, const ClosedFormIn
   return std::abs(to_plane - d);
 }
 
-// By how much the position's distance from the left wall is not the d that it was computed with.
+// By how much the position's distance from the left wall differs from the d used to compute it.
 double wall_mismatch(const Survey& survey, const ClosedFormInput& input,
                      const Eigen::Vector3d& position_in_world) {
   const ObservedWall wall =
@@ -415,18 +417,18 @@ double wall_mismatch(const Survey& survey, const ClosedFormInput& input,
   return std::abs(wall.distance - input.wall_distance);
 }
 
-// Of a vehicle that does not face along the drive, which nothing states: as far as its envelope,
-// else as it usually leans.
+// For a vehicle that does not face along the drive, an angle that nothing states: as large as its
+// envelope's, otherwise as its usual lean.
 double heading_sigma(const Rig& rig) {
   return std::max({rig.envelope ? rig.envelope->yaw : 0.0, rig.roll_sigma, rig.pitch_sigma});
 }
 
-// What moves both tags, as seen from O, at once.
+// Disturbances that move both tags, as seen from O, at once.
 std::vector<Disturbance> disturbances_of_vehicle(const ClosedFormInput& input, const TagPair& pair,
                                                  const Rig& rig) {
   const Eigen::Vector3d left = from_o(pair.left, input.heading);
   const Eigen::Vector3d right = from_o(pair.right, input.heading);
-  // A leaning vehicle turns what its cameras see, and moves them aside.
+  // A lean of the vehicle turns what its cameras see, and moves them aside.
   const auto leaning = [&](double RangedTag::*change, Lean lean) {
     return [=](double step) {
       const Lean by{step * lean.roll, step * lean.pitch};
@@ -496,7 +498,7 @@ std::optional<Effect> effect_one_way(const Disturbance& disturbed, double sign,
 }
 
 // The larger of both ways: towards the edge of having a solution the square root moves z farther
-// than away from it, and beyond abreast of the tags the position turns back.
+// than away from it, and beyond the point abreast of the tags the position turns back.
 std::optional<Effect> effect_of(const Disturbance& disturbed, const Eigen::Vector3d& position,
                                 double below_tags) {
   const auto plus = effect_one_way(disturbed, 1, position, below_tags);
@@ -530,7 +532,7 @@ Eigen::Matrix3d grid_covariance(const Grid& grid, const Eigen::Matrix3d& covaria
   return signs.asDiagonal() * covariance_in_world * signs.asDiagonal();
 }
 
-// The closed form's input: as survey and sensors have it, and from O.
+// The closed form's input: as survey and sensors have it, and as seen from O.
 struct Inputs {
   ClosedFormInput measured;
   ClosedFormInput from_o;

@@ -18,8 +18,8 @@ namespace tagsmith::detail {
 // a planar target").
 //
 // `rays`: the directions (x, y, 1) to P, F, the lower right corner and Q in the camera frame;
-// `length` and `height` of the rectangle, metres. Nothing when the corners are no picture of a
-// rectangle seen from its front.
+// `length` and `height` of the rectangle, metres. Nothing when the corners cannot be the picture of
+// a rectangle seen from its front.
 std::optional<std::array<Pose, 2>> plate_poses(const std::array<Eigen::Vector3d, 4>& rays,
                                                double length, double height);
 

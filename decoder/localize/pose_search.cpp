@@ -55,7 +55,7 @@ std::string impossible(const JointProblem& problem, const JointFit& fit) {
   return outside.empty() ? unlikely_stance(problem, fit, kStanceGate) : outside;
 }
 
-// What one sighting by itself allows.
+// What one sighting alone allows.
 struct SingleFits {
   std::vector<JointFit> fits;  // possible ones
   std::string reason;          // why there is none
@@ -89,9 +89,9 @@ double corners_chi_square(const JointFit& fit) {
 }
 
 // Fits each pose that the sighting allows. Where even the better one does not explain the corners,
-// their covariance is raised until it does. A pose that still does not explain them is none,
-// whatever becomes of the others: the wrong one of two is all that is left where rig or survey
-// are wrong.
+// their covariance is raised until it does. A pose that still does not explain them is rejected,
+// whether or not another remains: where rig or survey are wrong, only the wrong one of the two may
+// remain.
 SingleFits fit_single(JointProblem& problem, std::size_t index) {
   constexpr int kFree = 2;            // eight coordinates less six of the pose
   constexpr double kAsStated = 13.8;  // once in a thousand
@@ -138,8 +138,8 @@ bool agrees(const Disagreement& difference) {
          difference.chi_square < chi_square_limit(difference.degrees_of_freedom, kCornersGate);
 }
 
-// The sightings that agree with the fit, those it rests on included. Of two of one plate in one
-// image (a copy, a reflection) the one that agrees better.
+// The sightings that agree with the fit, including those that it uses. If one image has two of one
+// plate (a copy, a reflection), the one that agrees better.
 std::vector<std::size_t> supporters(const JointProblem& problem, const JointFit& fit) {
   std::vector<std::size_t> chosen = fit.selection.sightings;
   std::vector<std::pair<double, std::size_t>> others;
@@ -185,7 +185,7 @@ std::optional<std::size_t> worst_plate(const JointProblem& problem, const JointF
 
 struct Agreement {
   JointFit fit;
-  bool contradictory = false;  // two plates, and they do not agree after all
+  bool contradictory = false;  // two plates that do not agree after all
 };
 
 // Fits the tags together, dropping the worst of those that disagree until all agree.
@@ -204,7 +204,7 @@ std::optional<Agreement> fit_agreeing(const JointProblem& problem,
   }
 }
 
-// Takes in what agrees: tags that the first look missed, then ranges.
+// Adds what agrees: tags that the first search missed, then ranges.
 std::optional<Candidate> completed(const JointProblem& problem, JointFit fit) {
   const std::vector<std::size_t> all = supporters(problem, fit);
   if (all.size() > fit.selection.sightings.size()) {
@@ -216,7 +216,7 @@ std::optional<Candidate> completed(const JointProblem& problem, JointFit fit) {
   return with_ranges(problem, std::move(fit));
 }
 
-// More tags first, then the better explanation.
+// Most tags first, then the better explanation.
 bool is_better(const Candidate& a, const Candidate& b) {
   if (plate_count(a.fit) != plate_count(b.fit)) return plate_count(a.fit) > plate_count(b.fit);
   return a.chi_square < b.chi_square;
@@ -231,7 +231,7 @@ void add_candidate(PoseSearch& search, Candidate candidate) {
   search.candidates.push_back(std::move(candidate));
 }
 
-// Largest pictures first: their poses are the surest.
+// Largest pictures first: their poses are the most certain.
 std::vector<std::size_t> by_size(const JointProblem& problem) {
   std::vector<std::size_t> order(problem.sightings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

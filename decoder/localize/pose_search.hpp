@@ -12,8 +12,8 @@
 
 namespace tagsmith::detail {
 
-// How many standard deviations the vehicle may stand from what the rig says. With one tag alone
-// the stance is nearly all there is to tell a wrong plate by.
+// How many standard deviations the vehicle may stand from what the rig says. With one tag alone a
+// wrong plate can hardly be detected by anything but the stance.
 inline constexpr double kStanceGate = 6.0;
 inline constexpr double kLoneStanceGate = 4.0;
 
@@ -23,7 +23,7 @@ inline constexpr double kPoseShiftGate = 3.7;
 inline constexpr double kCornersGate = 4.75;
 inline constexpr double kRangeGate = 4.0;
 
-// A pose and what it rests on.
+// A pose and the measurements that it uses.
 struct Candidate {
   JointFit fit;
   double chi_square = 0;  // of the same measurements for all candidates: ranges capped
@@ -31,13 +31,13 @@ struct Candidate {
 
 struct PoseSearch {
   std::vector<Candidate> candidates;  // distinct, the best first
-  std::vector<std::string> reasons;   // of each sighting: why it allows no pose by itself
-  bool contradictory = false;         // two tags that agree with neither's own pose
+  std::vector<std::string> reasons;   // of each sighting: why it alone allows no pose
+  bool contradictory = false;         // two tags agree with neither tag's own pose
 };
 
-// Every pose that a sighting by itself allows, with all tags and ranges that agree with it. Of a
-// tag whose four corners fit a rectangle worse than their covariance says, that covariance is
-// raised until they do. Ends early when all tags agree with the poses of one sighting: what else
+// Every pose that a sighting alone allows, with all tags and ranges that agree with it. Where a
+// tag's four corners fit a rectangle worse than their covariance says, that covariance is raised
+// until they do. Ends early when all tags agree with the poses of one sighting: any other pose that
 // the others allow has fewer tags for it.
 PoseSearch search_poses(JointProblem& problem);
 
@@ -45,12 +45,12 @@ PoseSearch search_poses(JointProblem& problem);
 // be there.
 std::optional<Candidate> with_ranges(const JointProblem& problem, JointFit fit);
 
-// Whether the vehicle can stand like that, to `gate` standard deviations: empty, or why not.
+// Whether the vehicle can stand like that, within `gate` standard deviations: empty, or why not.
 std::string unlikely_stance(const JointProblem& problem, const JointFit& fit, double gate);
 
 std::size_t plate_count(const JointFit& fit);
 
-// The plates (indices in the problem) that the fit rests on.
+// The plates (indices in the problem) that the fit uses.
 std::set<std::size_t> plates_of(const JointFit& fit);
 
 }  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// A minute of eight cameras with eight pictures a second; a picture that is met again stays.
+// A minute of eight cameras with eight pictures a second; a picture that is repeated stays.
 constexpr std::size_t kMostRemembered = 4096;
 
 struct Place {

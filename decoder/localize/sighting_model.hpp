@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rig's cameras see of a plate's corners, and how that moves with the vehicle, the plate and
-// the calibration. Localization fits the vehicle with it, the check of hung plates the plates.
+// How a rig's cameras see a plate's corners, and how that changes with the vehicle, the plate and
+// the calibration. Localization fits the vehicle with it, the check of hung plates fits the plates.
 #pragma once
 
 #include <array>
@@ -84,7 +84,7 @@ struct CalibratedCamera {
   Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
-// The rig's camera (by index) as these errors of the layout's parameters leave it; empty = none.
+// The rig's camera (by index) with these errors of the layout's parameters; empty = none.
 CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,
                             std::size_t index, const Eigen::VectorXd& calibration);
 
@@ -112,8 +112,8 @@ std::optional<std::array<Pose, 2>> camera_poses_from(const Camera& camera,
                                                      const SightedPlate& plate,
                                                      const Sighting& sighting);
 
-// The vehicle's poses that a sighting by itself allows, were the plate where it is said to be:
-// those of plate_poses. Nothing when the corners are no picture of a rectangle.
+// The vehicle's poses that a sighting alone allows if the plate is at its stated place: those of
+// plate_poses. Nothing when the corners cannot be the picture of a rectangle.
 std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,
                                                              const SightedPlate& plate,
                                                              const Sighting& sighting);

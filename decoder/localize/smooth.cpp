@@ -54,7 +54,7 @@ Step next_step(const Step& before, std::size_t row, double dt, const MotionModel
   return step;
 }
 
-// Which fixes of a track the motion before them confirms.
+// The fixes of a track that the motion before them confirms.
 void find_confirmed(Track& track, const std::vector<Fix>& fixes,
                     const std::vector<std::optional<MeasuredPlace>>& measured) {
   TrackTags tags;
@@ -96,7 +96,7 @@ Track track_from(std::size_t row, const std::vector<std::optional<MeasuredPlace>
   return track;
 }
 
-// Of a track that came to nothing only its first fix is to blame: the next begins right after it.
+// Of a track that is given up only the first fix counts as wrong: the next begins right after it.
 void end_after_first_fix(Track& track) {
   const auto first = std::ranges::find(track.steps, true, &Step::used);
   track.steps.erase(first + 1, track.steps.end());
@@ -175,7 +175,7 @@ Fix with_place(Fix fix, const VehiclePlace& place, const PlaceCovariance& covari
   return fix;
 }
 
-// A gap's fix: a prediction, or why there is none.
+// The fix of a gap: a prediction, or why there is none.
 Fix predicted_fix(Fix fix, const VehiclePlace& place, const PlaceCovariance& covariance, double gap,
                   const Survey& survey, const Rig& rig, const MotionModel& motion) {
   const std::string own =
@@ -231,7 +231,7 @@ struct Job {
   const MotionModel& motion;
 };
 
-// What the track makes of the fix of one of its rows.
+// The result for one row of the track, from its fix and the track.
 Fix fix_in_track(const Job& job, const Track& track, const Step& step,
                  const MotionEstimate& estimate) {
   const Fix& fix = job.fixes[step.row];
@@ -249,7 +249,7 @@ Fix fix_in_track(const Job& job, const Track& track, const Step& step,
     return step.confirmed ? confirmed_by_motion(std::move(placed)) : placed;
   }
   if (fix.position_in_grid && fix.confirmations > 0) {
-    // Whether the place or the time is wrong nothing tells.
+    // It cannot be determined whether the place or the time is wrong.
     return without_position(fix, "its position by several tags contradicts the motion");
   }
   const double gap = std::abs(job.times[nearest.row] - job.times[step.row]);

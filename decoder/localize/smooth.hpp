@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run's fixes together: a vehicle neither jumps nor turns on the spot between two of them.
+// The fixes of a run used together: between two of them a vehicle neither jumps nor turns on the
+// spot.
 #pragma once
 
 #include <vector>

@@ -17,8 +17,8 @@
 namespace tagsmith::detail {
 namespace {
 
-// Between what all rows of a run say on the median and what is stated: more is told. One in a
-// hundred of right ones lies beyond, where the rows err alike.
+// Between the median over a run's rows and what is stated: a larger difference is reported. One in
+// a hundred correct runs exceeds it, if all rows have the same error.
 constexpr double kMostSigmas = 2.5;
 
 double plane_sigma(const Fix& fix) {
@@ -32,7 +32,7 @@ Eigen::Vector2d step_between(const Fix& from, const Fix& to) {
 constexpr double kShortestStep = 0.5;  // metres
 
 // A unit number whose argument is twice the angle from the heading to the step, so that forwards
-// and backwards are one. Nothing where the step does not tell its direction.
+// and backwards are the same. Nothing where the step is too short to determine its direction.
 std::optional<std::complex<double>> twice_the_angle(const Fix& from, const Fix& to) {
   const double unsure = radians(3);
   const Eigen::Vector2d step = step_between(from, to);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the positions of a run make sense together: the headings point the way that the vehicle
-// went, it stands as high as the rig says, and ranges are about as long as the tags say.
+// Whether the positions of a run are consistent: the headings point the way that the vehicle went,
+// it stands as high as the rig says, and ranges are about as long as the tags say.
 #pragma once
 
 #include <cstddef>
@@ -36,9 +36,9 @@ struct WrongHeight {
   double sigmas = 0;  // standard deviations between the two
 };
 
-// Where O is 2.5 of the rig's standard deviations and more from its stated height on the median of
-// three rows and more: the rig is wrong, or the pictures are mirrored top to bottom, in which a
-// symbol reads as it does upright and a level camera sees a world that makes sense.
+// Where O is 2.5 of the rig's standard deviations and more from its stated height, as the median of
+// three rows and more: the rig is wrong, or the pictures are mirrored top to bottom; a symbol is
+// read the same in these, and the world that a level camera sees remains plausible.
 std::optional<WrongHeight> wrong_height(std::span<const Fix> fixes,
                                         const std::vector<Survey>& surveys, const Rig& rig);
 
@@ -49,20 +49,20 @@ struct WrongRange {
   double sigmas = 0;     // standard deviations of the difference, median
   std::size_t rows = 0;  // that were compared
   // Whether in most rows a mistake that the tags do not reveal (Fix::unchecked) is large enough to
-  // explain it. Else they check each other, and the sensor or the wall is what is wrong.
+  // explain it. Otherwise the tags check each other, and the sensor or the wall is wrong.
   bool tags_may_be_wrong = false;
 };
 
-// The range that lies 2.5 standard deviations and more to the same side of what the tags say on the
-// median of five rows and more. A single row leaves such a range out, since echoes are frequent;
-// echoes are no median. Tags seen through one lens agree with each other however wrong its focal
-// length is: the range alone shows it.
+// The range that, as the median of five rows and more, lies 2.5 standard deviations and more to the
+// same side of what the tags say. A single row leaves such a range out, since echoes are frequent;
+// echoes do not change a median. Tags seen through one lens agree with each other however wrong its
+// focal length is: only the range shows it.
 std::optional<WrongRange> wrong_range(std::span<const Fix> fixes, const Rig& rig);
 
 // Rows without a position that have one when the vehicle may move while the cameras' shutters pass
 // over their images.
 struct RollingShutter {
-  std::size_t located = 0;  // so, of these
+  std::size_t located = 0;  // of these, with such a motion
   std::size_t rows = 0;     // without a position, in which two tags and more were read
 };
 
@@ -72,15 +72,15 @@ std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
                                               std::span<const Observation> rows,
                                               const std::vector<Survey>& surveys, const Rig& rig);
 
-// The same of a vehicle that drives.
+// The same while a vehicle drives.
 class LiveDoubts {
  public:
-  // The fix; while the last ones show together that they are not to be relied on, with this as a
-  // note and nothing that confirms it. A range counts where the tags may be wrong.
+  // The fix. While the last ones together show that they should not be used, this is added as a
+  // note, and nothing confirms the fix. A range counts only where the tags may be wrong.
   Fix judged(Fix fix, const std::vector<Survey>& surveys, const Rig& rig);
 
  private:
-  std::vector<Fix> last_;  // what is asked of them alone
+  std::vector<Fix> last_;  // of each only what these checks need
 };
 
 // "16 of 19 rows without a position have one when ... (rolling shutters): ..."

@@ -23,7 +23,7 @@ constexpr double kLean = 0.1;    // radians, of a plate against its wall
 constexpr double kShare = 0.3;   // of a length: focal length, size of plates, spacing
 constexpr double kCenter = 100;  // pixels, of a principal point
 constexpr double kBent = 0.3;    // k1 of a lens
-// Standard deviations of the position that matter: five, less one for what noise adds.
+// Standard deviations of the position that matter: five, minus one for the effect of noise.
 constexpr double kFarOff = 4;
 constexpr double kNoticed = 3.1;  // a normal value: chi-square that right rows exceed in 0.1 %
 
@@ -216,7 +216,7 @@ std::vector<Unchecked> unchecked_by(const JointProblem& problem, const JointFit&
   effects.add_walls();
   effects.add_cameras();
   effects.add_ranges_and_height();
-  // What the fit's chi-square already holds was not refused either.
+  // A chi-square as large as the fit's own was not refused either.
   const double unnoticed =
       std::max(chi_square_limit(fit.degrees_of_freedom, kNoticed), fit.chi_square);
   std::vector<Unchecked> unchecked;

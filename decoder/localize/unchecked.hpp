@@ -12,12 +12,12 @@
 namespace tagsmith::detail {
 
 // Each kind of mistake that could move the position by more than four of its standard deviations
-// while chi-square stays where right measurements leave it, with how far at most. A mistake is a
+// while chi-square stays as in right measurements, with the greatest shift. A mistake is a
 // displacement of the fit's rows along the derivatives by what is wrong, as large as gross mistakes
 // are (a metre, a radian, a third of a focal length); taken linearly at the solution. Last come the
 // three that no single measurement can reveal.
 //
-// `variance_factor`: by which the fit's covariance is raised in the fix.
+// `variance_factor`: the factor by which the fit's covariance is raised in the fix.
 std::vector<Unchecked> unchecked_by(const JointProblem& problem, const JointFit& fit,
                                     double variance_factor);
 
