@@ -37,18 +37,19 @@ struct AdjustmentProblem {
   std::vector<SightedPlate> plates;
   std::vector<Station> stations;
   double frame_sigma = 0;  // relative, of the size that all frames have in common; 0 = exact
-  // Which parameters of the cameras are uncertain; nothing = as the rig's sigmas have it.
+  // Which parameters of the cameras are uncertain; nothing = as the rig's sigmas say.
   std::optional<CalibrationLayout> calibration{};
-  // Plates, by index, whose common shift by everything but their own surveyed places is asked for.
+  // Plates, by index, whose common shift is wanted, from everything but their own surveyed places.
   std::vector<std::vector<std::size_t>> groups{};
-  // Places of the survey whose plates no picture shows: there a second copy of another may hang.
+  // Places of the survey whose plates no picture shows: a second copy of another plate may hang
+  // there.
   std::vector<SightedPlate> unseen{};
 };
 
 // What is not taken from the survey and the template of a plate.
 enum class PlateFreedom {
   none,   // it hangs as surveyed, within the survey's variance
-  size,   // so it does, and its frame is of any size about its middle
+  size,   // it hangs as surveyed, and its frame is of any size about its middle
   place,  // it hangs anywhere
   any,    // it hangs anywhere and is of any size
 };

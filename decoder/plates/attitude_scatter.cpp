@@ -20,8 +20,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// What the pictures of two plates of one station say of how they turn against each other: of each
-// one pose or two, that a plane's picture allows.
+// What the pictures of two plates of one station show of their turn against each other: for each
+// plate the one or two poses that a plane's picture allows.
 struct TurnOfPair {
   struct Possible {
     Vector3d turn;
@@ -89,7 +89,7 @@ std::vector<TurnOfPair> turns_of_pairs(const std::vector<std::vector<SeenAttitud
         const SeenAttitude& a = attitudes[i];
         const SeenAttitude& b = attitudes[j];
         if (a.plate == b.plate) continue;
-        // Of n plates n - 1 turns are independent; n (n - 1) / 2 pairs are told.
+        // Of n plates n - 1 turns are independent; n (n - 1) / 2 pairs are listed.
         const double weight = 2.0 / static_cast<double>(attitudes.size()) /
                               std::sqrt(times_seen[a.plate] * times_seen[b.plate]);
         pairs.push_back({turns_between(a, b), weight});
@@ -99,14 +99,14 @@ std::vector<TurnOfPair> turns_of_pairs(const std::vector<std::vector<SeenAttitud
   return pairs;
 }
 
-// Of a turn about one axis.
+// The density of a turn about one axis, up to a constant.
 double density(double turn, double variance) {
   return std::exp(-turn * turn / variance / 2) / std::sqrt(variance);
 }
 
 // Likelihood of a turn, up to a constant, when plates are turned by `sigma` about each axis. It may
-// be that of a plate that hangs wrong altogether, or seen wrong about one axis of the corners'
-// noise: steep frames are.
+// be the turn of a plate that hangs quite wrong, or that was measured wrong about one axis of the
+// corners' noise, as happens with steep frames.
 double likelihood_of(const TurnOfPair::Possible& turn, double sigma) {
   constexpr double kWrong = 0.05;         // of each of the two
   const double wrong_sigma = radians(5);  // of which
@@ -134,9 +134,9 @@ double log_likelihood(const TurnOfPair& pair, double sigma) {
   return std::log(std::max(sum, 1e-300));
 }
 
-// Of the magnitude's logarithm, up to a constant.
+// The prior of the magnitude's logarithm, up to a constant.
 double log_prior(double sigma) {
-  constexpr double kFalls = 8;  // power by which it falls beyond what hanging by eye does
+  constexpr double kFalls = 8;  // power by which it falls beyond the scatter of plates hung by eye
   return -kFalls * std::max(0.0, std::log(sigma / radians(0.5)));
 }
 

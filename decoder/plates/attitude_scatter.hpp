@@ -6,16 +6,16 @@
 
 namespace tagsmith::detail {
 
-// The standard deviation about each axis, radians, that the plates' is not above with a
-// probability of 97.5 %, the pictures considered: a posterior quantile. Plates of one station are
+// The standard deviation about each axis, radians, that the scatter of the plates does not exceed
+// with a probability of 97.5 %, given the pictures: a posterior quantile. Plates of one station are
 // compared in pairs by how their single pictures turn against each other, so that shifted plates
-// have no part in it; a plate seen from many places counts once; and a pair may hold a plate that
-// hangs wrong altogether, which then says nothing. Known beforehand is that plates hung by eye and
-// spirit level are within a degree or so: every magnitude from 0.05 to 0.5 degrees is as likely as
-// any other, larger ones ever less. Pictures that tell nothing give 0.55 degrees.
+// have no effect; a plate seen from many places counts once; and a pair may hold a plate that hangs
+// quite wrong, which then says nothing. Known beforehand is that plates hung by eye and spirit
+// level are within a degree or so: every magnitude from 0.05 to 0.5 degrees is as likely as any
+// other, larger ones ever less. Pictures that contain no information give 0.55 degrees.
 enum class ComparedPlates {
   of_station,
-  of_picture,  // an error of how the cameras are mounted has no part in it
+  of_picture,  // an error of the cameras' mounting has no effect
 };
 double attitude_scatter(const AdjustmentProblem& problem,
                         ComparedPlates compared = ComparedPlates::of_station);

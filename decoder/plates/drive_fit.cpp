@@ -19,12 +19,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// How far a vehicle's heading strays from the drive's where the rig's envelope does not say.
+// How far a vehicle's heading may differ from the drive's where the rig's envelope does not say.
 constexpr double kUsualYaw = radians(5);
 
 // --- what was seen ---
 
-// Rigid to a nanometre where the survey calls a place exact: it is divided by.
+// Nanometres where the survey calls a place exact, because the variance is a divisor.
 SightedPlate plate_for(const PlacedTag& tag, const Survey& survey) {
   constexpr double kExact = 1e-9;
   SightedPlate plate = sighted_plate(tag, survey);
@@ -57,7 +57,7 @@ VehiclePrior prior_at(const Survey& survey, const Rig& rig, const Vector3d& plac
 
 // --- where the search starts ---
 
-// The attitude of a camera on the vehicle, were the vehicle level and along the drive, or against
+// The attitude of a camera on the vehicle if the vehicle is level and along the drive, or against
 // it.
 Matrix3d attitude_on_vehicle(const Survey& survey, const Rig& rig, const Pose& world_from_camera,
                              bool is_backward) {
@@ -66,7 +66,7 @@ Matrix3d attitude_on_vehicle(const Survey& survey, const Rig& rig, const Pose& w
   return vehicle.rotation.transpose() * world_from_camera.rotation;
 }
 
-// Those that a sighting allows its camera.
+// The attitudes that a sighting allows its camera.
 std::vector<Matrix3d> attitudes(const Survey& survey, const Rig& rig, const SightedPlate& plate,
                                 const Sighting& sighting, bool is_backward) {
   std::vector<Matrix3d> result;
@@ -78,7 +78,7 @@ std::vector<Matrix3d> attitudes(const Survey& survey, const Rig& rig, const Sigh
   return result;
 }
 
-// Within which single tags and vehicles that are not quite level agree on an attitude.
+// The angle within which single tags and vehicles that are not quite level agree on an attitude.
 constexpr double kAlikeAttitudes = radians(15);
 
 std::size_t supporters(const std::vector<std::vector<Matrix3d>>& seen, const Matrix3d& attitude) {
@@ -90,8 +90,8 @@ std::size_t supporters(const std::vector<std::vector<Matrix3d>>& seen, const Mat
 }
 
 // Whether most of the station's tags have their cameras where the rig says only if the vehicle
-// points against the center line's direction. A camera that looks elsewhere either way says
-// nothing.
+// points against the center line's direction. A camera that looks elsewhere in both cases does not
+// count.
 bool points_backward(const Survey& survey, const Rig& rig, const Drive& drive,
                      const Station& station) {
   constexpr double kFits = radians(45);
@@ -206,7 +206,7 @@ Matrix3d likely_attitude(const Survey& survey, const Rig& rig, const Drive& driv
 
 std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, const Rig& start,
                                   const std::vector<ParameterSigmas>& sigmas) {
-  constexpr int kRounds = 3;  // in a bend the vehicle's place says which way the drive goes there
+  constexpr int kRounds = 3;  // in a bend the drive's direction depends on the vehicle's place
   const CalibrationLayout layout = layout_for(sigmas);
   AdjustmentProblem problem{&start, drive.plates, drive.stations, 0, layout};
   const std::vector<PlateFreedom> none(drive.plates.size(), PlateFreedom::none);
@@ -247,7 +247,7 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
 }
 
 Rig calibrated_by_plates(AdjustmentProblem problem) {
-  constexpr int kRounds = 2;  // by a rig that is far off, the first explains less than it could
+  constexpr int kRounds = 2;  // if the rig is far off, the first explains less than it could
   const CalibrationLayout layout = calibration_layout(*problem.rig);
   Rig fitted = *problem.rig;
   keep_comparable(problem);
@@ -276,7 +276,7 @@ double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t statio
 
 namespace {
 
-// Of all sightings, station by station.
+// The chi-squares of all sightings, station by station.
 std::vector<double> chi_squares(const DriveFit& fit, const Drive& drive) {
   std::vector<double> all;
   for (std::size_t s = 0; s < drive.stations.size(); ++s) {

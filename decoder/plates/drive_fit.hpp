@@ -26,29 +26,30 @@ struct Drive {
 };
 
 // The rows must outlive the drive. A row is backward where most of its tags fit the rig's mounting
-// so and are far from it forward.
+// if the vehicle points backward, and are far from it if it points forward.
 Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Rig& rig);
 
 bool sees_anything(const Drive& drive, std::size_t camera);
 
-// Standard deviations of a camera's calibration parameters before the drive (sighting_model.hpp's
-// order: shift, turn, focal lengths, principal point, k1); 0 = exactly as the rig has it.
+// Standard deviations of a camera's calibration parameters before the drive is fitted
+// (sighting_model.hpp's order: shift, turn, focal lengths, principal point, k1); 0 = exactly the
+// rig's.
 using ParameterSigmas = std::array<double, kCalibrationCount>;
 
 // As the rig states them.
 std::vector<ParameterSigmas> stated_sigmas(const Rig& rig);
 
-// What is assumed of a parameter of which nothing is known.
+// The standard deviation of a parameter of which nothing is known.
 inline constexpr double kFreePosition = 1;  // metres
 inline constexpr double kFreeAngle = 0.5;   // radians
 inline constexpr double kFreeFocal = 0.3;   // relative
 
-// A camera's attitude on the vehicle that most of its tags support, each by itself and were the
-// vehicle level and along the drive: the rig's, unless another has more.
+// The attitude of a camera on the vehicle that most of its tags support, each by itself and with
+// the vehicle level and along the drive: the rig's, unless another has more.
 Eigen::Matrix3d likely_attitude(const Survey& survey, const Rig& rig, const Drive& drive,
                                 std::size_t camera);
 
-// The rig with its cameras as an adjustment has them: `calibration`, errors of the layout's
+// The rig with its cameras as an adjustment has fitted them: `calibration`, errors of the layout's
 // parameters.
 Rig fitted_rig(Rig rig, const CalibrationLayout& layout, const Eigen::VectorXd& calibration);
 
@@ -56,10 +57,10 @@ struct DriveFit {
   Rig rig;  // with the cameras as fitted
   CalibrationLayout layout;
   Adjustment adjustment;
-  // The part of the adjustment's chi-square that is of headings against the drive's.
+  // The part of the adjustment's chi-square that comes from headings against the drive's.
   double heading_chi_square = 0;
-  // How the vehicles stand on their mean against the drive and its floor: heading, pitch, roll; and
-  // the variance of this mean by how they scatter.
+  // The mean attitude of the vehicles against the drive and its floor: heading, pitch, roll; and
+  // the variance of this mean by their scatter.
   Eigen::Vector3d mean_attitude = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_attitude_variance = Eigen::Vector3d::Zero();
 };
@@ -70,21 +71,21 @@ struct DriveFit {
 std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, const Rig& start,
                                   const std::vector<ParameterSigmas>& sigmas);
 
-// The problem's rig with the cameras as its plates have them: fitted within the rig's sigmas, to
-// what the simplest explanation of plates that hang elsewhere leaves.
+// The problem's rig with the cameras as its plates determine them: fitted within the rig's sigmas
+// to the pictures that remain after the simplest explanation of plates that hang elsewhere.
 Rig calibrated_by_plates(AdjustmentProblem problem);
 
 // Chi-square of a sighting's corners; infinite where the fit cannot see it.
 double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t station,
                      const Sighting& sighting);
 
-// By how much the corners' chi-square is more than chance: the median over all sightings, at least
-// 1. Raised by what the stated covariances leave out.
+// The factor by which the corners' chi-square exceeds chance: the median over all sightings, at
+// least 1. It is raised by errors that the stated covariances leave out.
 double usual_excess(const DriveFit& fit, const Drive& drive);
 
-// Takes the worst sightings out of the drive: those whose chi-square, over this excess, is more
-// than one in some thousands would have by chance, unless others are far worse, for those spoil the
-// fit of the rest. The number that were taken out, by camera.
+// Removes the worst sightings from the drive: those whose chi-square, divided by this excess, is
+// more than one in some thousands would have by chance; if others are far worse, only these,
+// because they spoil the fit of the rest. Returns the number removed, by camera.
 std::vector<std::size_t> leave_out_worst(const DriveFit& fit, Drive& drive, double excess);
 
 }  // namespace tagsmith::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where tags hang, by pictures of a calibrated rig, against the survey: in words for who hangs
-// them.
+// Where tags hang compared with the survey, from pictures of a calibrated rig, in words for the
+// people who hang them.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ struct Measured3 {
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
 };
 
-// Offset and turn are as one sees them who faces the plate's surveyed place.
+// Offset and turn are as seen by a viewer who faces the surveyed place.
 struct HungTag {
   std::string tag;
   HangVerdict verdict = HangVerdict::unchecked;
@@ -37,25 +37,25 @@ struct HungTag {
   Measured3 turn;                   // clockwise, right edge out, top out; radians
   std::vector<std::string> rivals;  // of a doubtful tag
   std::string rule;                 // docs/verify-rules.md; empty when nothing is wrong
-  std::string message;              // what is wrong; of what is off, what to do
+  std::string message;              // what is wrong; for a tag that is off, what to do
   // Of a tag that is off: decimal logarithm of the odds over the next explanation, at most
   // kMostOdds.
   double odds{};
-  // Of a moved tag: its entry in the survey's `placed`, were it to stay.
+  // Of a moved tag: its entry in the survey's `placed` if it stays there.
   std::string placed{};
 };
 
 inline constexpr double kMostOdds = 99;
 
-// A plate whose code is not in the survey, where a tag of the survey should hang that no photo
-// shows.
+// A plate whose code is not in the survey and that hangs where a tag of the survey should be, which
+// no photo shows.
 struct Stranger {
   std::string station;
   std::string code;
   std::string place;  // that tag
 };
 
-// What holds of tags in the pictures of one station, wherever else these tags hang: that the
+// What is true of tags in the pictures of one station, wherever else these tags hang: that the
 // pictures fit no place of the cameras (doubtful, rule `no-common-place`, each of their tags), or
 // that the tag there is a second copy (off or doubtful, rule `second-copy`).
 struct UnplacedTags {
@@ -73,48 +73,48 @@ struct HungTags {
   std::vector<HungTag> tags;  // of the survey that were seen, in its order
   std::vector<UnplacedTags> unplaced;
   std::vector<Stranger> strangers{};
-  std::vector<MixedStations> mixed{};  // the others are judged by their pictures put right
-  // Those that no picture shows together, nor a chain of pictures by way of other tags: how far all
+  std::vector<MixedStations> mixed{};  // the others are judged after these pictures were exchanged
+  // Tags that no picture shows together, nor a chain of pictures by way of other tags: how far all
   // on one side hang from all on the other was not judged.
   std::vector<UntiedPair> untied{};
   std::vector<std::string> notes;    // on pictures that could not be used
-  std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
+  std::vector<std::string> assumed;  // what survey and rig do not state; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
-  std::string rig_doubt{};           // which value of the rig is why (rig_suspicion.hpp), or empty
-  std::string revision{};            // of the survey, where files were judged (hanging_check.hpp)
+  std::string rig_doubt{};  // the value of the rig that is why (rig_suspicion.hpp), or empty
+  std::string revision{};   // of the survey, where files were judged (hanging_check.hpp)
 };
 
-// Least standard deviations that plates are taken to be surveyed with: a survey that states none
+// Least standard deviations that are assumed for the survey of plates: a survey that states none
 // would make every offset significant. Where it states none of angles, that is attitude_scatter of
 // the pictures.
 inline constexpr double kLeastSurveySigma = 0.001;        // metres
 inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degrees
 
-// The sightings by station. Plates are the survey's tags that were seen, in its order, each to hang
-// within what the survey states, or the least standard deviations; the others are `unseen`.
-// Sightings of tags that the survey does not have are passed over.
+// The sightings by station. Plates are the survey's tags that were seen, in its order, each with
+// the standard deviations of the survey, or the least ones; the others are `unseen`. Sightings of
+// tags that the survey does not have are left out.
 AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
                               std::span<const SightedTag> sighted);
 
 // How far a plate may hang from its surveyed place: metres and radians, of each axis.
 void set_survey_sigma(SightedPlate& plate, double sigma, double angle_sigma);
 
-// "row 3 and row 7 are mixed up: ...": which of a station's cameras has the other's photos cannot
-// be told.
+// "row 3 and row 7 are mixed up: ...": it cannot be determined which of a station's cameras has the
+// other's photos.
 std::string in_words(const MixedStations& mixed, const Rig& rig);
 
-// "no photo ties 003L and 004L, ...": what was not judged of where tags hang against each other,
-// and what would; nothing when all is tied.
+// "no photo ties 003L and 004L, ...": which tags were not judged against each other, and what photo
+// would help; nothing when all are connected by photos.
 std::optional<std::string> untied_in_words(std::span<const UntiedPair> untied);
 
 // Which value of the rig explains that the pictures contradict it in one and the same way
-// (suspect_rig), in words; nothing where none does, and of cameras held by hand.
+// (suspect_rig), in words; nothing where none does, and for cameras held by hand.
 std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,
                                      std::span<const SightedTag> sighted);
 
 // find_consensus of the sighted tags, in words. Sightings of codes that the survey does not have
-// judge none; where they hang is judged by those that fit. Where the pictures contradict the rig in
-// one and the same way (suspect_rig), no tag is judged.
+// are not used to judge others; where they hang is determined by the tags that fit. Where the
+// pictures contradict the rig in one and the same way (suspect_rig), no tag is judged.
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance = kHangTolerance);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Positions while a vehicle drives: each by its own measurement and by what those before it say of
-// the motion, of the plates and of the rig.
+// Positions while a vehicle drives: each from its own measurement and from what the earlier ones
+// show of the motion, of the plates and of the rig.
 #pragma once
 
 #include <functional>
@@ -18,8 +18,8 @@
 
 namespace tagsmith::detail {
 
-// The position by one measurement and these surveys, where the motion may say what to expect; what
-// was seen of the surveys' tags goes into the observation. Tags of an observation left empty are
+// The position from one measurement and these surveys, where the motion may predict the pose; what
+// was seen of the surveys' tags is added to the observation. Tags of an observation left empty are
 // not compared with those of other measurements.
 using LocateOne =
     std::function<Fix(const std::vector<Survey>&, const std::optional<PosePrior>&, Observation&)>;
@@ -31,7 +31,8 @@ class LiveDrive {
 
   // The position of the next measurement; without a time it is not judged by the motion. A note
   // says which tags are set aside from here on (LiveSetAside). While the last measurements show
-  // that the rig or the positions are not to be relied on, a note says why and nothing confirms it.
+  // that the rig or the positions cannot be trusted, a note says why and nothing confirms the
+  // position.
   Fix next(const LocateOne& locate, std::optional<double> time);
 
   // The notes of the last measurement on tags that are set aside.

@@ -27,13 +27,13 @@ constexpr Index kLensDrifts = 3;     // of a picture: focal length, principal po
 constexpr Index kDrifts = 9;         // and the vehicle's motion while its rows are read
 constexpr double kFreeSigma = 10;    // metres and radians, of a plate that hangs anywhere
 constexpr double kFreeSize = 0.3;    // relative, of a frame of any size
-constexpr double kExactSize = 1e-6;  // so small that it is none, and large enough to invert
+constexpr double kExactSize = 1e-6;  // small enough to have no effect, and large enough to invert
 
 bool has_any_size(PlateFreedom freedom) {
   return freedom == PlateFreedom::size || freedom == PlateFreedom::any;
 }
 
-// The rig's, and last that of the frames' common size when it is not exact.
+// The rig's parameters, and last the frames' common size when it is not exact.
 CalibrationLayout layout_of(const AdjustmentProblem& problem) {
   CalibrationLayout layout = problem.calibration.value_or(calibration_layout(*problem.rig));
   if (problem.frame_sigma > 0) layout.sigmas.push_back(problem.frame_sigma);
@@ -42,7 +42,7 @@ CalibrationLayout layout_of(const AdjustmentProblem& problem) {
 
 struct AdjustmentState {
   std::vector<Pose> world_from_plate;
-  VectorXd size_error;  // of each frame by itself, relative
+  VectorXd size_error;  // of each frame on its own, relative
   std::vector<VehiclePose> vehicles;
   VectorXd calibration;
 };
@@ -58,7 +58,7 @@ AdjustmentState start_state(const AdjustmentProblem& problem, const AdjustmentSt
   return state;
 }
 
-// Of the stations that cannot be placed, which tell nothing.
+// The stations that cannot be placed; they contain no information.
 std::vector<bool> idle_stations(const AdjustmentStart& start) {
   std::vector<bool> idle;
   for (const auto& vehicle : start.vehicles) idle.push_back(!vehicle);
@@ -92,7 +92,7 @@ struct ReducedStation {
   MatrixXd information;
   VectorXd gradient;
   Matrix6 pose_covariance = Matrix6::Zero();
-  MatrixXd pose_by_rest;                // the best pose's change by the rest
+  MatrixXd pose_by_rest;                // the best pose's change with the rest
   Vector6 pose_step = Vector6::Zero();  // and its change when the rest stays
   double chi_square = 0;
 };
@@ -163,7 +163,8 @@ class Network {
     return next;
   }
 
-  // Of the calibration's errors and of the mean heading, pitch and roll of all vehicles.
+  // The covariance of the calibration's errors and of the mean heading, pitch and roll of all
+  // vehicles.
   MatrixXd calibration_covariance() const {
     const Index uncertain = normals_->size() - normals_->of_plates();
     MatrixXd by_rest = MatrixXd::Zero(uncertain + 3, normals_->size());
@@ -231,7 +232,7 @@ class Network {
     Eigen::Matrix<double, kSightingRows, 1> by_size;
   };
 
-  // Of a frame of the size that it has in this state, by the plate's pose and by that size.
+  // For a frame of the size that it has in this state: by the plate's pose and by that size.
   std::optional<SizedRows> rows_of(const AdjustmentState& state, const VehicleFrame& frame,
                                    const Sighting& sighting) const {
     const SightedPlate& drawn = problem_.plates[sighting.plate];
@@ -361,7 +362,7 @@ class Network {
     return result;
   }
 
-  // Of which nothing is known, and that moves nothing.
+  // The normal equations of a station without information.
   ReducedStation idle_station() const {
     ReducedStation station;
     const Index columns = static_cast<Index>(layout_.sigmas.size());
@@ -379,7 +380,7 @@ class Network {
   std::optional<PlateNormals> normals_;
 };
 
-// --- what comes of it ---
+// --- the results ---
 
 struct WithoutPrior {
   VectorXd mean;
@@ -391,7 +392,7 @@ struct WithoutPrior {
 // with P the posterior covariance and Q = I - P: mean Q^-1 d, covariance Q^-1 P.
 WithoutPrior without_prior(const VectorXd& moved, const MatrixXd& posterior,
                            const VectorXd& prior) {
-  constexpr double kLeast = 1e-9;  // share of what is known of a direction that pictures tell
+  constexpr double kLeast = 1e-9;  // least share of a direction's information that pictures give
   const VectorXd sigmas = prior.cwiseSqrt();
   const VectorXd inverse_sigmas = sigmas.cwiseInverse();
   const MatrixXd scaled = inverse_sigmas.asDiagonal() * posterior * inverse_sigmas.asDiagonal();
@@ -447,7 +448,7 @@ GroupShift shift_of(Network& network, const AdjustmentState& state,
   return shift;
 }
 
-// Minimises from the start. False when it does not get there.
+// Minimises from the start. False when it does not converge.
 bool converge(Network& network, AdjustmentState& state) {
   constexpr int kMostSteps = 30;
   constexpr int kMostHalvings = 8;

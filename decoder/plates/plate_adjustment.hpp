@@ -12,8 +12,8 @@
 
 namespace tagsmith::detail {
 
-// Where the pictures and all other plates say that a plate hangs, less where the survey has it. Its
-// own surveyed place has no part in it.
+// Where the pictures and all other plates put a plate, minus its surveyed place. Its own surveyed
+// place is not used for it.
 struct PlateOffset {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of corner P, world axes, metres
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();   // rotation vector in its surveyed axes, radians
@@ -25,8 +25,8 @@ struct PlateOffset {
   double chi_square = 0;
 };
 
-// How far the corners P of a group of plates are from their surveyed places on the mean, world
-// axes, metres, by everything but the surveyed places of these plates.
+// The mean shift of the corners P of a group of plates from their surveyed places, world axes,
+// metres, from everything but the surveyed places of these plates.
 struct GroupShift {
   std::vector<std::size_t> plates;  // the group, by index
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
@@ -36,29 +36,29 @@ struct GroupShift {
 struct Adjustment {
   std::vector<Pose> world_from_plate;
   std::vector<double> size;                          // of each frame, as a share of the template's
-  std::vector<double> size_sigma;                    // 0 of a size that is taken from the template
+  std::vector<double> size_sigma;                    // 0 for a size that is that of the template
   double chi_square = 0;                             // of everything
   std::vector<double> station_chi_square;            // of the corners, by station
   std::vector<std::optional<PlateOffset>> offsets;   // by plate; none of plates in no station
   std::vector<GroupShift> groups{};                  // the problem's
-  std::vector<std::optional<VehiclePose>> vehicles;  // by station; none of one that tells nothing
+  std::vector<std::optional<VehiclePose>> vehicles;  // by station; none for one without information
   // Errors of the uncertain calibration parameters in the order of the layout's sigmas, then of the
   // frames' common size where that is not exact.
   Eigen::VectorXd calibration;
-  // Of these and of the mean heading, pitch and roll of all vehicles; empty unless the problem
-  // names what is uncertain (AdjustmentProblem::calibration).
+  // The covariance of these and of the mean heading, pitch and roll of all vehicles; empty unless
+  // the problem names what is uncertain (AdjustmentProblem::calibration).
   Eigen::MatrixXd calibration_covariance;
 };
 
 // Gauss-Newton over all plates, the calibration and one vehicle pose a station; the poses are
 // eliminated station by station (Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis", 6.1)
-// and the rest is solved sparse. `freed`, one a plate. Plates that do not hang anywhere must hang
-// within half a frame of their place. A station that shows only plates of unknown places tells
-// nothing: its chi-square is 0. Nothing when the fit does not converge.
+// and the rest is solved sparse. `freed`, one a plate. Plates that are not free to hang anywhere
+// must hang within half a frame of their place. A station that shows only plates of unknown places
+// contains no information: its chi-square is 0. Nothing when the fit does not converge.
 std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
                                         const std::vector<PlateFreedom>& freed);
 
-// What one sighting says of where the vehicle is, were its plate where it is said to be.
+// The vehicle's pose by one sighting, if the plate is at its stated place.
 struct SinglePose {
   VehiclePose vehicle;
   Eigen::Matrix3d turn_covariance = Eigen::Matrix3d::Zero();  // in vehicle axes, radians^2

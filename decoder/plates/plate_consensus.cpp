@@ -17,11 +17,11 @@ namespace {
 using Eigen::Vector3d;
 
 // Why: docs/decisions/0011-as-built-deviations.md.
-// What another explanation with one fault less may be worse by: parameters of a plate, and its
-// odds.
+// By how much chi-square another explanation with one fault less may be worse: parameters of a
+// plate, and its odds.
 constexpr double kOfFault = 7 + kClearlyBetter;
 
-// A rig whose calibration is not known, and frames that are all of another size.
+// For a rig of unknown calibration, and for frames that all have another size.
 Rig any_calibration(Rig rig) {
   for (RigCamera& camera : rig.cameras) {
     CalibrationSigma& sigma = camera.calibration_sigma;
@@ -76,13 +76,13 @@ class Judge {
   }
 
  private:
-  // Of a copy, what it says that it is.
+  // The plate whose code a copy bears.
   std::size_t original_plate(std::size_t plate) const {
     const auto copy = std::ranges::find(found_.copies, plate, &PlateCopy::plate);
     return copy == found_.copies.end() ? plate : copy->of;
   }
 
-  // Several rows with the same mistake are no chance.
+  // Several rows with the same mistake are no coincidence.
   void take_copy(const PlateCopy& copy) {
     FoundCopy found{copy.of, copy.place, {}};
     for (const Station& station : found_.problem.stations) {
@@ -98,8 +98,8 @@ class Judge {
     result_.copies.push_back(std::move(found));
   }
 
-  // Whether pictures tie the original to tags that hang beside the copy. Else these may all hang
-  // elsewhere by a slip in the chain, and what seems a copy is the original.
+  // Whether pictures connect the original with tags that hang beside the copy. Otherwise all of
+  // these may hang elsewhere because of a slip in the chain, and the apparent copy is the original.
   bool is_tied_to_original(const PlateCopy& copy) const {
     std::vector<bool> counts;
     for (const PlateCheck& check : result_.plates) {
@@ -115,8 +115,8 @@ class Judge {
     });
   }
 
-  // True when photos that were not taken together explain what shows the copy, too: it is the
-  // original there.
+  // True when photos that were not taken together explain the pictures of the copy, too: then they
+  // show the original.
   bool mixed_photos_explain(const PlateCopy& copy) const {
     PlateExplanation split = found_;
     std::vector<Station> stations;
@@ -195,7 +195,7 @@ class Judge {
 
   // --- a plate that was taken out ---
 
-  // The fit with the plate freed so, all others as in the explanation.
+  // The fit with this freedom of the plate, and all others as in the explanation.
   static std::optional<Adjustment> with(const PlateExplanation& explanation, std::size_t plate,
                                         PlateFreedom freedom) {
     std::vector<PlateFreedom> freed = explanation.freed;
@@ -215,7 +215,7 @@ class Judge {
 
   // True when the plate is off, or doubtful.
   bool accuse(std::size_t plate) {
-    if (plate >= original_.plates.size()) {  // a copy is judged as such
+    if (plate >= original_.plates.size()) {  // a copy is judged as a copy
       if (found_.accuses(plate)) result_.plates[plate].verdict = HangVerdict::doubtful;
       return false;
     }
@@ -223,7 +223,7 @@ class Judge {
       result_.plates[plate].swapped_with = found_.swapped_with[plate];
       least_deficit_ = std::numeric_limits<double>::infinity();
       judge(plate);
-      return false;  // what is exchanged says nothing against the rig
+      return false;  // an exchange of plates is no evidence against the rig
     }
     if (found_.freed[plate] == PlateFreedom::none || !result_.plates[plate].offset) return false;
     const auto moved = with(found_, plate, PlateFreedom::place);
@@ -247,14 +247,14 @@ class Judge {
     return true;
   }
 
-  // A plate that may be the one instead of another, and how it would hang then.
+  // A plate that may be the wrong one instead of another, and where it would hang then.
   struct Rival {
     std::size_t plate = 0;
     PlateOffset offset;
     std::optional<FrameScale> scale;
   };
 
-  // The plate as an explanation that takes it out has it.
+  // The plate in an explanation that takes it out.
   std::optional<Rival> rival_by(const PlateExplanation& instead, std::size_t plate) const {
     const auto moved = with(instead, plate, PlateFreedom::place);
     const auto& offset = (explains(moved, instead) ? moved : instead.adjustment)->offsets[plate];
@@ -291,8 +291,8 @@ class Judge {
     result_.plates[rival.plate].scale = rival.scale;
   }
 
-  // The size at which the frame explains what it shows, in its place where it does so there;
-  // nothing when an offset explains it clearly better. `moved` is the fit with the plate hanging
+  // The size at which the frame explains the pictures, in its place where that is possible; nothing
+  // when an offset explains them clearly better. `moved` is the fit with the plate hanging
   // anywhere.
   std::optional<FrameScale> scale_of(const PlateExplanation& explanation, std::size_t plate,
                                      const std::optional<Adjustment>& moved) const {
@@ -311,8 +311,8 @@ class Judge {
                       size_and_place};
   }
 
-  // The least error of size that would be seen: one smaller is no longer beyond chance, looks like
-  // an offset that the survey's variances explain, or like one within the tolerance. An offset that
+  // The least error of size that would be detected: a smaller one is within chance, looks like an
+  // offset that the survey's variances explain, or like one within the tolerance. An offset that
   // looks like the error grows with it.
   double least_seen(const PlateExplanation& explanation, std::size_t plate, const Adjustment& sized,
                     const std::optional<Adjustment>& moved) const {
@@ -327,16 +327,16 @@ class Judge {
     return std::max(least, error * kSeen / std::sqrt(std::max(by_shift, 1e-9)));
   }
 
-  // --- what is certain ---
+  // --- verdicts ---
 
-  // Off when nothing else explains it, else doubtful.
+  // Off when nothing else explains it, otherwise doubtful.
   void judge(std::size_t plate) {
     PlateCheck& check = result_.plates[plate];
     check.doubt = doubt_of(plate);
     if (check.doubt == HangDoubt::rivals) return;
-    // Another size and another place are two mistakes. A block of plates that hang elsewhere is
-    // one, and where its first plate is seen with both sides, it is pulled both ways as if it were
-    // larger or smaller.
+    // Another size and another place are two mistakes. A block of plates that hang elsewhere is one
+    // mistake, and where its first plate is seen with plates on both sides, it is pulled both ways
+    // as if it were larger or smaller.
     const bool takes_two = check.scale && check.scale->cause == FrameScale::Cause::size_and_place;
     if (check.doubt == HangDoubt::none && takes_two) check.doubt = HangDoubt::block;
     check.verdict = check.doubt == HangDoubt::none ? HangVerdict::off : HangVerdict::doubtful;
@@ -366,7 +366,7 @@ class Judge {
     return doubt_by_others(near, {plate, rows_are_right});
   }
 
-  // Pictures that were not taken together are as far apart as the vehicle went in between.
+  // Pictures that were not taken together are as far apart as the vehicle moved in between.
   bool could_be_a_row(std::size_t plate) const {
     constexpr double kLeastWay = 0.1;  // metres
     const PlateCheck& check = result_.plates[plate];
@@ -378,23 +378,23 @@ class Judge {
     return deficit_of(other, found) <= kClearlyBetter;
   }
 
-  // By how much chi-square is worse than what was found, less what fewer faults allow; infinite
-  // with more faults.
+  // By how much chi-square is worse than that of the explanation found, minus the allowance for
+  // fewer faults; infinite with more faults.
   static double deficit_of(const PlateExplanation& other, const PlateExplanation& found) {
     const int fewer = faults_of(found) - faults_of(other);
     if (fewer < 0) return std::numeric_limits<double>::infinity();
     return cost_of(other) - cost_of(found) - kOfFault * fewer;
   }
 
-  // Whether an explanation with this deficit must be reckoned with. The least deficit of those that
-  // need not tells how sure the verdict is.
+  // Whether an explanation with this deficit is close enough to matter. The least deficit of the
+  // others determines how certain the verdict is.
   bool is_close(double deficit) {
     least_deficit_ = std::min(least_deficit_, deficit);
     return deficit <= kClearlyBetter;
   }
 
-  // Takes the faults of the other explanation in place of those found, when they explain the
-  // pictures of the rig as it is with fewer.
+  // Takes the faults of the other explanation in place of those found, when fewer of them explain
+  // the pictures of the rig as it is.
   void take_simpler(PlateExplanation other) {
     other.problem.rig = original_.rig;
     other.problem.frame_sigma = 0;
@@ -409,7 +409,7 @@ class Judge {
            faults_of(found_) - faults_of(of_another_rig_) >= kMany;
   }
 
-  // Of the plates seen together with this one, all stations.
+  // All stations that show plates which are seen together with this one.
   std::vector<Station> stations_near(const std::vector<Station>& stations,
                                      std::size_t plate) const {
     std::set<std::size_t> with_it;
@@ -425,7 +425,7 @@ class Judge {
     return near;
   }
 
-  // The explanation, as far as it is of pictures near the plate.
+  // The explanation, limited to pictures near the plate.
   PlateExplanation around(std::size_t plate) const {
     PlateExplanation near = found_;
     near.problem.stations = stations_near(found_.problem.stations, plate);
@@ -452,7 +452,7 @@ class Judge {
     return near;
   }
 
-  // True when one row of pictures, not taken together, explains what speaks against the plate.
+  // True when one row of pictures, not taken together, explains the evidence against the plate.
   bool fits_apart(const PlateExplanation& near, std::size_t plate) {
     for (std::size_t s = 0; s < near.problem.stations.size(); ++s) {
       if (!shows(near.problem.stations[s], plate)) continue;
@@ -469,7 +469,8 @@ class Judge {
     return false;
   }
 
-  // True when what speaks against the plate is a second copy of one plate that is seen with it.
+  // True when a second copy of one plate that is seen with it explains the evidence against the
+  // plate.
   bool fits_beside_copy(const PlateExplanation& near, std::size_t plate) {
     for (const std::size_t judge : judges_of(plate)) {
       PlateExplanation copied = near;
@@ -508,7 +509,7 @@ class Judge {
     return doubt;
   }
 
-  // True when no plate that judges this one is beyond doubt; or one that was taken out, too, is
+  // True when no plate that judges this one is beyond doubt; or when another that was taken out is
   // seen with it and doubtful: what else explains that one may explain this one as well.
   bool depends_on_doubtful(std::size_t plate) const {
     bool is_judged = false;

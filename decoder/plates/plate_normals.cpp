@@ -124,7 +124,7 @@ std::vector<Eigen::Triplet<double>> PlateNormals::entries() const {
   for (Index i = 0; i < size(); ++i) {
     add(i, i, priors_[i]);
     for (Index j = 0; j < by_shared_.cols(); ++j) {
-      // Above the diagonal what is of plates is the mirror image of what is below.
+      // Above the diagonal the block of the plates mirrors the one below.
       const Index column = of_plates() + j;
       i < of_plates() ? add(column, i, by_shared_(i, j)) : add(i, column, by_shared_(i, j));
     }

@@ -20,9 +20,9 @@ inline constexpr Eigen::Index kPlateCount = 7;  // parameters of a plate: shift,
 using PlateVector = Eigen::Matrix<double, kPlateCount, 1>;
 using PlateMatrix = Eigen::Matrix<double, kPlateCount, kPlateCount>;
 
-// Of the inverse of L D L^T those elements where L has some, which takes about as long as the
-// factorisation (Erisman and Tinney 1975, "On computing certain elements of the inverse of a sparse
-// matrix"). L is unit lower triangular, its diagonal not stored, its columns sorted.
+// The elements of the inverse of L D L^T at the places where L has elements, which takes about as
+// long as the factorisation (Erisman and Tinney 1975, "On computing certain elements of the inverse
+// of a sparse matrix"). L is unit lower triangular, its diagonal not stored, its columns sorted.
 class SelectedInverse {
  public:
   SelectedInverse(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& pivots);
@@ -47,17 +47,18 @@ class PlateNormals {
   Eigen::Index size() const { return gradient_.size(); }
   Eigen::Index of_plates() const { return size() - by_shared_.cols(); }
 
-  // What one station tells of these plates and the shared parameters, in this order.
+  // Adds the normal equations of one station for these plates and the shared parameters, in this
+  // order.
   void add(const std::vector<std::size_t>& plates, const Eigen::MatrixXd& information,
            const Eigen::VectorXd& gradient);
 
-  // That a parameter whose error is now `value` has an error of this variance.
+  // Adds that a parameter whose error is now `value` has an error of this variance.
   void add_prior(Eigen::Index parameter, double value, double variance);
 
   // Factorises the sum. False when it is not positive definite.
   bool factorise();
 
-  // These are of the last factorisation. The full step to the minimum:
+  // Results of the last factorisation. The full step to the minimum:
   Eigen::VectorXd step() const { return -solver_.solve(gradient_); }
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const { return solver_.solve(right); }
 

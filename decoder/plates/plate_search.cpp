@@ -15,8 +15,8 @@ namespace tagsmith::detail {
 namespace {
 
 constexpr double kGate = 3.7;  // normal value that is exceeded once in 10 000
-// Of a shift where turns are as the survey's tilt allows: once in 400. A tilt that is not stated is
-// estimated on the safe side already, and who knows it well is guarded by the tolerance. Chosen of
+// Of a shift where turns are within the survey's tilt: once in 400. A tilt that is not stated is
+// estimated on the large side already; where it is stated well, the tolerance protects. Chosen from
 // 2.6, 2.8, 2.9 and 3.1 on `bench displaced 60`, seeds 1 and 2.
 constexpr double kShiftGate = 2.8;
 constexpr double kStationGate = 6;  // of pictures' corners, whose noise has heavier tails
@@ -56,8 +56,8 @@ class PlateSearch {
     return fit_together(found_.problem, a, b);
   }
 
-  // Whether a sighting of the station, taken for one of this plate, agrees with more of the other
-  // plates there than it contradicts.
+  // Whether a sighting of the station, as one of this plate, agrees with more of the other plates
+  // there than it contradicts.
   bool agrees_with_most(const Station& station, const Sighting& seen, std::size_t plate) const {
     Sighting taken = seen;
     taken.plate = plate;
@@ -68,8 +68,8 @@ class PlateSearch {
     return more > 0;
   }
 
-  // The plate's number when it hangs in a place whose own plate is not seen; such a one is added
-  // when there is none.
+  // The number of the plate when it hangs in a place whose own plate is not seen; a new copy is
+  // added when there is none.
   std::size_t copy_in(std::size_t of, const SightedPlate& place) {
     const auto known = std::ranges::find_if(found_.copies, [&](const PlateCopy& copy) {
       return copy.of == of && copy.place == place.name;
@@ -96,7 +96,7 @@ class PlateSearch {
     return nullptr;
   }
 
-  // Plates that some station shows in agreement with most others there.
+  // Plates that agree, in some station, with most others there.
   std::set<std::size_t> plates_in_place() const {
     std::set<std::size_t> in_place;
     for (const Station& station : found_.problem.stations) {
@@ -126,7 +126,7 @@ class PlateSearch {
     std::swap(found_.problem.plates[a].world_from_plate, found_.problem.plates[b].world_from_plate);
   }
 
-  // Of the pairs of this plate with a third one, those that agree, or contradict each other.
+  // How many pairs of this plate with a third one agree, or contradict each other.
   static std::ptrdiff_t count(const std::vector<SightedPair>& pairs, bool agree, std::size_t plate,
                               std::size_t partner) {
     return std::ranges::count_if(pairs, [&](const SightedPair& pair) {
@@ -134,7 +134,7 @@ class PlateSearch {
     });
   }
 
-  // True when third plates contradict both, which in each other's place agree with all.
+  // True when third plates contradict both, and all agree once these two are exchanged.
   bool are_swapped(std::size_t a, std::size_t b) {
     const std::vector<SightedPair> before = compare_pairs(found_.problem);
     if (count(before, false, a, b) == 0 || count(before, false, b, a) == 0) return false;
@@ -183,7 +183,7 @@ class PlateSearch {
            station.sightings.end();
   }
 
-  // The stations with each other's pictures of the camera.
+  // The stations after exchanging their pictures of the camera.
   static std::pair<Station, Station> exchanged(Station one, Station other, std::size_t camera) {
     std::vector<Sighting> to_other;
     std::ranges::copy_if(one.sightings, std::back_inserter(to_other),
@@ -196,7 +196,7 @@ class PlateSearch {
     return {std::move(one), std::move(other)};
   }
 
-  // True when the two agree within themselves by each other's pictures of a camera.
+  // True when each of the two is consistent after exchanging their pictures of a camera.
   bool unmix(Station& one, Station& other) {
     for (std::size_t camera = 0; camera < found_.problem.rig->cameras.size(); ++camera) {
       if (!shows_by(one, camera) || !shows_by(other, camera)) continue;
@@ -308,7 +308,7 @@ class PlateSearch {
     return worst;
   }
 
-  // By how much leaving the station out lowers chi-square, its own expectation apart.
+  // By how much leaving the station out lowers chi-square, apart from its own expectation.
   double gain_without(const Adjustment& adjustment, std::size_t station) const {
     AdjustmentProblem rest = found_.problem;
     rest.stations.erase(rest.stations.begin() + static_cast<std::ptrdiff_t>(station));
@@ -323,7 +323,7 @@ class PlateSearch {
     Adjustment adjustment;
   };
 
-  // Of the plate in doubt and its neighbours, the one without which the others agree best.
+  // Of the doubtful plate and its neighbours, the one without which the others agree best.
   std::optional<Choice> best_to_free(const Adjustment& adjustment, std::size_t worst) const {
     std::vector<std::size_t> candidates =
         neighbours(found_.problem, found_.freed, adjustment, worst);
@@ -366,10 +366,10 @@ class PlateSearch {
     }
   }
 
-  // --- stations that were left out for nothing ---
+  // --- stations that were left out without need ---
 
-  // The explanation with this station in place of what is used of it; its parts may have been left
-  // out, too.
+  // The explanation with this station in place of the part of it that is used; its parts may have
+  // been left out, too.
   std::optional<PlateExplanation> with_station(const Station& station) const {
     PlateExplanation with = found_;
     const auto is_part = [&](const Station& part) { return part.name == station.name; };
@@ -384,7 +384,7 @@ class PlateSearch {
     return fits ? std::optional(std::move(with)) : std::nullopt;
   }
 
-  // A station may have been left out before the plate was that it contradicts.
+  // A station may have been left out before the plate was taken out that it contradicts.
   void take_back_stations() {
     if (!found_.adjustment) return;
     std::map<std::string, Station> whole;
@@ -425,8 +425,8 @@ std::vector<SightedPair> compare_pairs(const AdjustmentProblem& problem) {
   return pairs;
 }
 
-// What is left of all six when the turn alone is counted belongs to the shift: of two tags that
-// turn alike, little of a shift can be the tilt of one of them.
+// The rest of all six after subtracting the turn belongs to the shift: where two tags turn alike,
+// little of a shift can be the tilt of one of them.
 double excess(const PlateOffset& offset) {
   const double by_shift = offset.chi_square - offset.turn_chi_square;
   return std::max({by_shift / chi_square_limit(3, kShiftGate),

@@ -28,8 +28,8 @@ struct SightedPair {
 // All pairs that the problem's stations show.
 std::vector<SightedPair> compare_pairs(const AdjustmentProblem& problem);
 
-// How far a plate that should hang as surveyed is from that, beyond chance: more than 1 is seldom
-// so (once in 400).
+// How far a plate that should hang as surveyed is from its place, as a multiple of chance: more
+// than 1 is rare (once in 400).
 double excess(const PlateOffset& offset);
 
 // Degrees of freedom of a station's corners, all plates being known.
@@ -46,7 +46,7 @@ std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
 // A second copy of a plate in the place of one that no picture shows.
 struct PlateCopy {
   std::size_t plate = 0;  // of the explanation's problem: the copy
-  std::size_t of = 0;     // what it says that it is
+  std::size_t of = 0;     // the plate whose code it bears
   std::string place;      // the plate whose place it has
 };
 
@@ -58,8 +58,8 @@ struct MixedStations {
 };
 
 struct PlateExplanation {
-  // Without the stations left out, exchanged plates being exchanged; second copies are plates of
-  // their own behind the others.
+  // Without the stations left out, and with exchanged plates exchanged; second copies are separate
+  // plates behind the others.
   AdjustmentProblem problem;
   std::vector<PlateFreedom> freed;  // any, of the plates that contradict the rest
   std::vector<std::optional<std::size_t>> swapped_with;
@@ -73,30 +73,31 @@ struct PlateExplanation {
   }
 };
 
-// Plates taken out, exchanged or there twice, stations mixed up or left out.
+// The number of plates taken out, exchanged or there twice, and of stations mixed up or left out.
 int faults_of(const PlateExplanation& explanation);
 
 // How badly it explains the pictures: chi-square beyond its expectation, up to a constant that all
 // explanations of the same stations share.
 double cost_of(const PlateExplanation& explanation);
 
-// Stations with sightings that a rectangle explains, of two plates or more: what can be compared.
+// Stations with sightings that a rectangle explains, of two plates or more: those that can be
+// compared.
 void keep_comparable(AdjustmentProblem& problem);
 
-// The pictures of each camera as if they were taken by themselves, of two plates or more.
+// The pictures of each camera as if they were taken separately, of two plates or more.
 std::vector<Station> apart(const Station& station);
 
-// What a search does not call in question.
+// What a search does not question.
 struct Given {
   std::optional<std::size_t> plate;  // hangs as surveyed, whatever the pictures say
   bool stations = false;             // all pictures of a station were taken together
 };
 
-// Takes sightings of a plate that contradict the rest, while others of it do not, for those of a
-// second copy where that agrees with most. Exchanges pairs of plates, and pictures of two stations,
-// that contradict the rest as they are and not when they are exchanged; then takes out the plate
-// that contradicts the others most, or leaves out a station that fits nothing, until those left
-// agree. Of a station left out the pictures of each camera are still used by themselves.
+// Assigns sightings of a plate that contradict the rest, while others of it do not, to a second
+// copy where that agrees with most. Exchanges pairs of plates, and pictures of two stations, that
+// contradict the rest as they are but not after the exchange; then takes out the plate that
+// contradicts the others most, or leaves out a station that fits nothing, until those left agree.
+// Of a station left out the pictures of each camera are still used separately.
 PlateExplanation explain(AdjustmentProblem problem, const Given& given = {});
 
 }  // namespace tagsmith::detail

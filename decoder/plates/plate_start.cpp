@@ -51,7 +51,7 @@ std::optional<VehiclePose> start_vehicle(const AdjustmentProblem& problem, const
   return best;
 }
 
-// Where the sightings from placed vehicles say that a plate hangs.
+// The place of a plate by the sightings from placed vehicles.
 std::optional<Pose> start_plate(const AdjustmentProblem& problem, std::size_t plate,
                                 const std::vector<std::optional<VehiclePose>>& vehicles) {
   std::vector<std::pair<const Sighting*, VehiclePose>> seen;

@@ -21,9 +21,8 @@ struct AdjustmentStart {
 // `freed`, one a plate. A plate that no placed vehicle shows starts where it was surveyed.
 AdjustmentStart start_of(const AdjustmentProblem& problem, const std::vector<PlateFreedom>& freed);
 
-// How far the corners of b are from where a's picture says that they are when both hang as
-// surveyed, in frame diagonals of b; of the poses that a allows, the better. Infinite when a allows
-// none.
+// How far the corners of b are from where a's picture predicts them when both hang as surveyed, in
+// frame diagonals of b; with the better of the poses that a allows. Infinite when a allows none.
 double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b);
 
 }  // namespace tagsmith::detail

@@ -20,7 +20,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// What is tried of one camera: neighbours among its calibration parameters.
+// What is tried for one camera: neighbours among its calibration parameters.
 struct Trial {
   std::size_t first = 0;
   std::size_t count = 1;
@@ -48,7 +48,7 @@ std::ptrdiff_t count_seeing(const Drive& drive, const Rig& rig) {
 }
 
 // The rows that can contradict themselves: those that show several tags, where there are enough.
-// Rows of a long drive are taken evenly, for the fits take long.
+// Rows of a long drive are sampled evenly, because the fits take long.
 std::vector<Observation> compared_rows(std::span<const Observation> rows) {
   constexpr std::size_t kMost = 40;
   constexpr std::size_t kEnough = 3;
@@ -72,7 +72,7 @@ struct Explained {
   DriveFit fit;
 };
 
-// How many rows fit whole once all that does not fit is left out.
+// How many rows fit completely once all sightings that do not fit are left out.
 std::optional<Explained> explained(const Survey& survey, Drive drive, const Rig& start,
                                    const std::vector<ParameterSigmas>& sigmas, double excess) {
   std::vector<std::size_t> whole;
@@ -98,7 +98,7 @@ std::optional<Explained> explained(const Survey& survey, Drive drive, const Rig&
   return std::nullopt;
 }
 
-// Where the cameras may stand and look anywhere, with any lens.
+// Cameras that may stand and look anywhere, with any lens.
 std::vector<ParameterSigmas> any_sigmas(const Rig& rig) {
   std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
   for (ParameterSigmas& camera : sigmas) {
@@ -107,13 +107,13 @@ std::vector<ParameterSigmas> any_sigmas(const Rig& rig) {
   return sigmas;
 }
 
-// What the corners' chi-square is where the rig is not called in question.
+// The excess of the corners' chi-square when any rig is allowed.
 double noise_of(const Survey& survey, const Drive& drive, const Rig& start) {
   const auto fit = fit_drive(survey, drive, start, any_sigmas(start));
   return fit ? usual_excess(*fit, drive) : 1;
 }
 
-// The drive as stated, and what another rig has to be better by.
+// The drive as stated, and how much better another rig must be.
 struct Stated {
   const Drive* drive = nullptr;
   double excess = 1;  // of the corners' chi-square over chance
@@ -121,8 +121,8 @@ struct Stated {
 
   std::size_t rows() const { return explained ? explained->rows : 0; }
 
-  // True when the other rig explains clearly what the plates' tolerances would have to take up, row
-  // by row and always alike, if the rig were right.
+  // True when the other rig clearly explains differences that otherwise, row by row and always
+  // alike, the plates' tolerances would have to absorb.
   bool is_beaten_by(const Explained& other) const {
     constexpr double kDecisive = 25;  // of chi-square: odds of 270 000
     return explained && other.sightings >= explained->sightings &&
@@ -201,8 +201,8 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
   return suspect;
 }
 
-// The rig from which the search for a camera's angle starts: where most of its tags have it, were
-// all else as stated.
+// The rig from which the search for a camera's angle starts: with the camera where most of its tags
+// put it, if all else is as stated.
 Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::size_t camera,
               const Trial& trial) {
   Rig start = rig;
@@ -229,7 +229,7 @@ Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::siz
   return start;
 }
 
-// Whether it explains most rows, as the rig as stated does not.
+// Whether it explains most rows, and the rig as stated does not.
 bool is_better(const Explained& with, const Stated& as_stated) {
   constexpr double kLeastShare = 0.7;
   const auto rows = static_cast<double>(as_stated.drive->stations.size());
@@ -241,7 +241,7 @@ bool is_better(const Explained& with, const Stated& as_stated) {
 
 struct Candidate {
   RigSuspect suspect;
-  double chi_square = 0;  // with what further parameters cost
+  double chi_square = 0;  // including the cost of further parameters
 };
 
 // Rigs that explain the rows much better than the rig as stated.
@@ -270,7 +270,7 @@ std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const St
   return result;
 }
 
-// A yaw as the rig file has it: of level cameras that look to a side as their alpha.
+// A yaw as the rig file states it: for level cameras that look to a side as their alpha.
 struct NamedYaw {
   std::string name;
   double sign = 1;
@@ -318,7 +318,7 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
                      degrees(suspect.sigma), decimals, degrees(named.of(suspect.stated)));
 }
 
-// How much a survey that says nothing of it, or that plates hang exactly so, lets them be tilted.
+// The tilt of plates where the survey says nothing of it, or that plates hang exactly.
 void take_scatter(const Survey& survey, const Rig& rig, Drive& drive) {
   if (survey.angle_sigma > 0 && survey.states_angle_sigma) return;
   const double sigma =
@@ -327,8 +327,8 @@ void take_scatter(const Survey& survey, const Rig& rig, Drive& drive) {
     plate.survey_variance.tail<3>().setConstant(sigma * sigma);
 }
 
-// The best of the candidates, and what is as likely: explains as many rows, with a chi-square that
-// chance tells from the best's once in a hundred.
+// The best of the candidates, and those that are as likely: they explain as many rows, with a
+// chi-square that exceeds the best's by less than chance does once in a hundred.
 std::vector<RigSuspect> likeliest(std::vector<Candidate> found, double excess) {
   constexpr double kAsLikely = 9.2;
   if (found.empty()) return {};
@@ -344,8 +344,8 @@ std::vector<RigSuspect> likeliest(std::vector<Candidate> found, double excess) {
   return suspects;
 }
 
-// True when one plate that hangs anywhere explains the rows about as well as another rig does: a
-// plate is the likelier to be wrong.
+// True when one plate that hangs anywhere explains the rows about as well as another rig does: then
+// the plate is more likely to be wrong.
 bool one_plate_explains(const Survey& survey, const Rig& rig, const Stated& as_stated,
                         double chi_square) {
   constexpr std::size_t kMostTried = 6;

@@ -19,8 +19,8 @@ enum class RigParameter { yaw, pitch, roll, turn, focal, position };
 // "yaw", "pitch", "roll", "turn", "focal", "position".
 const char* to_string(RigParameter parameter);
 
-// A single value of the rig, or a camera's turn about any axis or place, that would explain what
-// the tags show.
+// A single value of the rig, or a camera's turn about any axis or its place, that would explain
+// what the tags show.
 struct RigSuspect {
   std::string camera;
   RigParameter parameter = RigParameter::yaw;
@@ -35,28 +35,28 @@ struct RigSuspect {
 };
 
 struct RigSuspicion {
-  // That explain equally many rows, the likeliest first: the rows do not tell them apart.
+  // Those that explain equally many rows, the likeliest first: the rows do not distinguish them.
   std::vector<RigSuspect> suspects;
   std::size_t rows = 0;            // that were compared
   std::size_t rows_as_stated = 0;  // explained by the rig as it is
-  // One camera alone sees tags: frames of other proportions than the template's, which other
-  // cameras would see alike, look like another focal length.
+  // Only one camera sees tags: frames of other proportions than the template's, which other cameras
+  // would see alike, look like another focal length.
   bool by_one_camera = false;
 };
 
 // Compares the rig as stated with rigs in which one value of one camera is another, or one camera
 // is turned about any axis or stands elsewhere. A row is explained when all its tags fit. Plates
-// are tilted by what the survey states, or as single pictures show. A rig is suspected by another
-// that explains three rows and seven in ten, twice as many as the rig as stated or all of them so
-// much better that the plates' tolerances would have to take up the same in every row (odds of 270
-// 000), and that differs by four standard deviations and more from what the rig states; unless one
-// plate that hangs wrong explains them about as well.
+// are tilted by what the survey states, or as single pictures show. A rig is suspected when another
+// explains three rows and seven in ten, twice as many as the rig as stated or all of them so much
+// better that the plates' tolerances would have to absorb the same in every row (odds of 270 000),
+// and when that one differs by four standard deviations and more from what the rig states; unless
+// one plate that hangs wrong explains them about as well.
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig);
 
 // "left: alpha 40.0 +-0.1 degrees in place of 35.0 would explain 9 of 10 rows (2 as it is)"; alpha
 // of level cameras that look to a side.
-// A focal length that one camera alone tells has the template as an alternative.
+// A focal length that only one camera shows has the template as an alternative.
 std::string describe(const RigSuspicion& suspicion, const Rig& rig);
 
 }  // namespace tagsmith::detail

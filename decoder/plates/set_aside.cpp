@@ -33,7 +33,7 @@ HungTags check_rows(const std::vector<Observation>& rows, const std::vector<Surv
   return check_hung_tags(surveys[survey], rig, pick.taken());
 }
 
-// Out of the rows that show it; of a second copy, out of those that show the copy.
+// Removes the tag from the rows that show it; a second copy from those that show the copy.
 void take_out(std::vector<Observation>& rows, std::span<const std::size_t> of, SetAside& aside) {
   for (const std::size_t i : of) {
     const auto taken = std::erase_if(rows[i].tags, [&](const SeenTag& seen) {
@@ -91,14 +91,14 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
 
 RunCheck LiveSetAside::learn(Observation seen, const Fix& fix, const Rig& rig) {
   constexpr std::size_t kMost = 40;
-  seen.parts.clear();  // which point into the surveys as they were
+  seen.parts.clear();  // these point into the surveys as they were
   last_.push_back({std::move(seen), is_contradicted(fix)});
   if (last_.size() > kMost) last_.pop_front();
   if (std::ranges::none_of(last_, &Past::contradicted)) return {};
   std::vector<Observation> rows;
   for (const Past& past : last_) {
     rows.push_back(past.seen);
-    // Two measurements are of two moments, whether or not they say when.
+    // Two measurements are of two moments, even if they do not say when.
     if (!rows.back().time) rows.back().time = -static_cast<double>(rows.size());
   }
   leave_out_repeated(rows);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tags of a run that its rows together show to hang elsewhere than surveyed, or to be of another
-// size: they locate nothing.
+// size: they are not used for positions.
 #pragma once
 
 #include <cstddef>
@@ -30,13 +30,12 @@ struct RunCheck {
   std::string rig_doubt{};  // which value of the rig is in doubt (rig_suspicion.hpp), or empty
 };
 
-// What check_hung_tags is certain of, survey by survey; what it calls doubtful stays. Takes these
-// tags out of the rows, with a fault in each that says so. Nothing where the rig itself is in
-// doubt.
+// What check_hung_tags reports as certain, survey by survey; doubtful tags stay. Removes these tags
+// from the rows, and adds a fault to each that says so. Nothing where the rig itself is in doubt.
 RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
                              const Rig& rig);
 
-// The same while the vehicle drives, by the last measurements.
+// The same while the vehicle drives, from the last measurements.
 class LiveSetAside {
  public:
   explicit LiveSetAside(std::vector<Survey> surveys)
@@ -46,9 +45,9 @@ class LiveSetAside {
   const std::vector<Survey>& all() const { return surveys_; }
   const std::vector<Survey>& surveys() const { return left_; }
 
-  // Takes what a measurement showed of tags of surveys() and the position that was made of it.
-  // While tags of the last measurements contradict each other, or the motion, these are compared;
-  // returns the tags that are set aside from here on, and the doubt in the rig.
+  // Takes what a measurement showed of tags of surveys() and the position computed from it. While
+  // tags of the last measurements contradict each other, or the motion, these are compared; returns
+  // the tags that are set aside from here on, and the doubt in the rig.
   RunCheck learn(Observation seen, const Fix& fix, const Rig& rig);
 
  private:

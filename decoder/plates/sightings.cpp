@@ -9,7 +9,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// FNV-1a, 64 bits: the same on every machine, so that the choice is.
+// FNV-1a, 64 bits: it is the same on every machine, and so is the choice.
 std::uint64_t hash_of(const std::string& text) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const char c : text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tags as pictures show them, and which pictures of many tell where tags hang.
+// Tags as pictures show them, and which of many pictures determine where tags hang.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 
 namespace tagsmith::detail {
 
-// A tag in a picture: its name in the survey, or of a code that the survey does not have its
-// digits. Pictures with one station name were taken together.
+// A tag in a picture: its name in the survey, or its digits if the survey does not have the code.
+// Pictures with one station name were taken together.
 struct SightedTag {
   std::string station;
   std::size_t camera = 0;  // of the rig
@@ -23,14 +23,14 @@ struct SightedTag {
   SeenCorners seen;
 };
 
-// Stations kept of any two tags that are seen together. More tell little more: what is left is
-// what the survey and the rig do not know.
+// Stations kept of any two tags that are seen together. More of them add little: the remaining
+// errors are those of the survey and the rig.
 inline constexpr std::size_t kMostStationsOfAPair = 16;
 
-// Takes all sightings twice, in any order and any portions: first to count, then to keep those of
-// the stations that were chosen. Which these are does not depend on the order. Of a sighting 16
-// bytes are kept in between; what is kept in the end grows with the pairs of neighbouring tags, not
-// with the photos.
+// Takes all sightings twice, in any order and in portions of any size: first to count, then to keep
+// those of the stations that were chosen. The choice does not depend on the order. In between, 16
+// bytes are kept for each sighting; the memory kept in the end grows with the pairs of neighbouring
+// tags, not with the photos.
 class SightingPick {
  public:
   explicit SightingPick(std::size_t most = kMostStationsOfAPair) : most_(most) {}
@@ -45,7 +45,7 @@ class SightingPick {
   // The second time.
   void take(std::span<const SightedTag> sighted);
 
-  // By station, camera and tag, whatever order they came in.
+  // By station, camera and tag, in whatever order they came.
   std::vector<SightedTag> taken() const;
 
  private:
