@@ -24,8 +24,8 @@ namespace {
 
 using Eigen::Matrix3d;
 
-// How far tags that are no control may hang from the survey. It is divided out of the result, and
-// keeps the adjustment regular.
+// How far tags that are not control tags may hang from the survey. It is divided out of the result,
+// and keeps the adjustment regular.
 constexpr double kLooseSigma = 0.5;  // metres
 constexpr double kLooseAngle = radians(10);
 
@@ -38,12 +38,12 @@ struct Site {
   Drive drive;
   std::vector<bool> is_control;       // by plate
   std::vector<bool> is_elsewhere;     // by plate: so far off that the search starts from its photos
-  std::vector<std::string> excluded;  // by plate: why nothing of it is used; empty = it is
+  std::vector<std::string> excluded;  // by plate: why nothing of it is used; empty = it is used
   std::vector<LeftOutSighting> left_out;
-  std::vector<std::string> cut_off;  // plates that only photos tied which were left out
+  std::vector<std::string> cut_off;  // plates that only left-out photos connected
 };
 
-// Control hangs as surveyed, all else about there.
+// Control tags hang as surveyed, all others about there.
 void set_freedom(const Survey& survey, bool is_control, SightedPlate& plate) {
   if (is_control) {
     const double sigma = find_tag(survey, std::string_view(plate.name))->sigma;
@@ -72,7 +72,7 @@ Site site_of(const Survey& survey, const Rig& rig, std::span<const SightedTag> s
 
 // --- which stations are used ---
 
-// Leaves out sightings, and stations that show nothing any more. `is_out`: of a station and the
+// Leaves out sightings, and stations that show nothing any more. `is_out`: for a station and the
 // number of a sighting in it.
 template <class IsOut>
 void leave_out(Drive& drive, const IsOut& is_out) {
@@ -87,8 +87,8 @@ void leave_out(Drive& drive, const IsOut& is_out) {
   drive.rows.resize(drive.stations.size());
 }
 
-// Leaves out stations that show one plate alone and those that no chain ties to a control plate,
-// and says so of the plates that are then seen no more.
+// Leaves out stations that show one plate alone and those that no chain connects with a control
+// plate, and gives this as the reason for the plates that are then no longer seen.
 void keep_tied(Site& site) {
   Drive& drive = site.drive;
   leave_out(drive,
@@ -124,7 +124,7 @@ void keep_tied(Site& site) {
 
 // --- gross errors, before anything is adjusted ---
 
-// With how many others something agrees, less with how many it does not.
+// With how many others something agrees, minus those with which it does not.
 struct Votes {
   int balance = 0;
   void add(bool agrees) { balance += agrees ? 1 : -1; }
@@ -145,9 +145,9 @@ void mark_elsewhere(const std::vector<SightedPair>& pairs, std::vector<bool>& is
   }
 }
 
-// The survey's places serve as a start but for plates that hang elsewhere; sightings that
+// The survey's places serve as a start, except for plates that hang elsewhere; sightings that
 // disagree with most others of their station are left out. A control plate that hangs elsewhere is
-// none.
+// no longer one.
 void find_gross_errors(const Rig& rig, Site& site) {
   const AdjustmentProblem problem{&rig, site.drive.plates, site.drive.stations};
   const std::vector<SightedPair> pairs = compare_pairs(problem);
@@ -175,7 +175,7 @@ void find_gross_errors(const Rig& rig, Site& site) {
 
 // --- the adjustment ---
 
-// The control plates, by the stations that show several of them.
+// The control plates, grouped by stations that show several of them.
 std::vector<std::vector<std::size_t>> control_groups(const Site& site) {
   const std::vector<std::size_t> group = tied_groups(site.drive.stations, site.is_control);
   std::map<std::size_t, std::vector<std::size_t>> plates;
@@ -214,7 +214,7 @@ std::multiset<std::pair<std::string, std::size_t>> sightings_of(const Drive& dri
   return all;
 }
 
-// Leaves out what the adjustment contradicts. False when that is nothing.
+// Leaves out what the adjustment contradicts. False when there is nothing to leave out.
 bool leave_out_wrong(const Rig& rig, const Adjustment& adjustment, Site& site) {
   const CalibrationLayout layout = calibration_layout(rig);
   const DriveFit fit{fitted_rig(rig, layout, adjustment.calibration), layout, adjustment};
@@ -229,7 +229,7 @@ bool leave_out_wrong(const Rig& rig, const Adjustment& adjustment, Site& site) {
   return true;
 }
 
-// When the plates that hang elsewhere find no place.
+// When no place is found for the plates that hang elsewhere.
 void give_up_elsewhere(Site& site) {
   for (std::size_t i = 0; i < site.is_elsewhere.size(); ++i) {
     if (site.is_elsewhere[i]) site.excluded[i] = "its photos contradict those of the other tags";
@@ -255,9 +255,10 @@ std::optional<Adjustment> adjust_robustly(const Rig& rig, Site& site) {
   return adjustment;
 }
 
-// --- what comes of it ---
+// --- the results ---
 
-// Eight coordinates of a sighting, less six of each vehicle and of each plate that is no control.
+// Eight coordinates of a sighting, minus six of each vehicle and of each plate that is no control
+// tag.
 int degrees_of_freedom(const Site& site) {
   std::set<std::size_t> loose;
   int degrees = 0;
@@ -297,7 +298,7 @@ void fill(const SightedPlate& plate, const PlateOffset& offset, const Pose& surv
   tag.shift = tag.world_from_plate.translation - surveyed.translation;
 }
 
-// Of a control tag of which the photos tell nothing by themselves.
+// For a control tag whose place the photos alone do not determine.
 void take_survey(const SightedPlate& plate, AsBuiltTag& tag) {
   tag.world_from_plate = plate.world_from_plate;
   tag.covariance = plate.survey_variance.asDiagonal();
@@ -306,7 +307,7 @@ void take_survey(const SightedPlate& plate, AsBuiltTag& tag) {
 
 AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::size_t plate,
                         const PlacedTag& surveyed, bool was_control) {
-  constexpr double kMostSigma = 0.05;  // metres: beyond, a place is not told
+  constexpr double kMostSigma = 0.05;  // metres: beyond, a place counts as undetermined
   AsBuiltTag tag;
   tag.tag = surveyed.name;
   tag.reason = site.excluded[plate];
@@ -336,7 +337,7 @@ ControlGroup control_group(const Site& site, const GroupShift& told) {
   for (const std::size_t plate : told.plates) {
     const SightedPlate& own = site.drive.plates[plate];
     group.tags.push_back(own.name);
-    // A station's mistake is common to all.
+    // A mistake of the station is common to all of its tags.
     covariance += Matrix3d(own.survey_variance.head<3>().asDiagonal()) / told.plates.size();
   }
   group.shift = told.shift.norm();
@@ -376,8 +377,8 @@ double shift_chi_square(const AsBuiltTag& tag, double sigma) {
   return squared_mahalanobis(tag.shift, covariance);
 }
 
-// Whether two thirds of the tags besides the one, and three at least, hang as surveyed as often as
-// normal errors of the survey's sigma do.
+// Whether two thirds of the other tags, and three at least, hang as surveyed as often as normal
+// errors of the survey's sigma would have it.
 bool agree(const Survey& survey, const AsBuiltSurvey& found, const std::string& besides) {
   constexpr double kTwoThirds = 3.4;  // quantile of chi-square with three degrees of freedom
   std::size_t placed = 0, fitting = 0;
@@ -392,13 +393,13 @@ bool agree(const Survey& survey, const AsBuiltSurvey& found, const std::string& 
 
 // --- control tags that are wrong together ---
 
-// One tag, or a group of which each other holds it, that may hang wrong.
+// One tag that may hang wrong, or a group of tags in which each supports the others.
 struct ControlSuspect {
   std::vector<std::string> tags;
   double chi_square = 0;
 };
 
-// What is said of a tag that is one of `accused`.
+// The message on a tag that is one of `accused`.
 std::string accusation(const AsBuiltTag& tag, std::span<const ControlGroup> groups,
                        std::size_t accused) {
   const auto group = std::ranges::find_if(groups, [&](const ControlGroup& each) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The as-built survey: all pictures of a drive in one adjustment, held by control tags.
+// The as-built survey: all pictures of a drive in one adjustment, tied to control tags.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ enum class AsBuiltStatus {
   control,       // hangs as surveyed, within the survey's sigma
   contradicted,  // a control tag that does not hang where the survey has it
   adjusted,      // its place follows from the control tags
-  undetermined,  // nothing ties it to a control tag
+  undetermined,  // nothing connects it with a control tag
 };
 
 // "control", "contradicted", "adjusted" or "undetermined".
@@ -33,8 +33,8 @@ struct AsBuiltTag {
   AsBuiltStatus status = AsBuiltStatus::undetermined;
   std::string reason;  // in words, of undetermined and contradicted tags
   int stations = 0;    // whose pictures of it were used
-  // Where it hangs; of a control tag, where the pictures and all other tags say that it does, and
-  // where they say nothing, as surveyed.
+  // Where it hangs; for a control tag, where the pictures and all other tags put it, and where they
+  // determine nothing, its surveyed place.
   Pose world_from_plate;
   // Of P in world axes, metres, then of the turn about the plate's own axes, radians.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
@@ -48,14 +48,14 @@ struct LeftOutSighting {
   std::string tag;
 };
 
-// Control tags that are seen together, and where all else puts them: a mistake that they share, as
-// one of the station that they were surveyed from, contradicts none of them alone.
+// Control tags that are seen together, and where everything else puts them: a mistake that they
+// share, such as one of the station that they were surveyed from, contradicts none of them alone.
 struct ControlGroup {
   std::vector<std::string> tags;
-  double shift = 0;       // of all of them from their surveyed places on the mean, metres
+  double shift = 0;       // mean of all of them from their surveyed places, metres
   double chi_square = 0;  // of this shift, three degrees of freedom
   // How far off all of them may be without being contradicted, metres; infinite where no other
-  // control tag tells.
+  // control tag determines it.
   double unnoticed = 0;
 };
 
@@ -65,29 +65,29 @@ struct AsBuiltSurvey {
   std::size_t sightings = 0;              // used: pictures of a tag
   std::vector<LeftOutSighting> left_out;  // contradict the rest
   std::vector<ControlGroup> groups{};
-  std::vector<std::string> cut_off;  // tags that only these tied to a control tag
+  std::vector<std::string> cut_off;  // tags that only these connected with a control tag
   double chi_square = 0;             // of all corners
   int degrees_of_freedom = 0;
-  double sigma_factor = 1;  // by which the corners' stated sigmas were raised, 1 = not
+  double sigma_factor = 1;  // by which the corners' stated sigmas were raised; 1 = not raised
 };
 
 // Adjusts the places of all tags, of all vehicles and the rig's calibration at once. Control tags
 // hang as surveyed within the survey's sigma (at least kLeastSurveySigma); all others hang where
-// the pictures say. Of the rig the uncertainty that it states is counted. `control`: names of tags
-// of the survey. Fails when none of them was seen, or when the adjustment does not converge.
+// the pictures say. The uncertainty that the rig states is included. `control`: names of tags of
+// the survey. Fails when none of them was seen, or when the adjustment does not converge.
 Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
                                       std::span<const SightedTag> sighted,
                                       std::span<const std::string> control);
 
-// Writes into the control tags which may be the ones that hang wrong where groups or single ones
-// contradict the rest: the likeliest, and all that are not clearly less likely (Baarda 1968, test
-// of one alternative after the other). Where none does, what each tag's own test says stays.
+// Where groups or single control tags contradict the rest, marks those that may hang wrong: the
+// likeliest, and all that are not clearly less likely (Baarda 1968, test of one alternative after
+// the other). Where none does, the result of each tag's own test stays.
 void judge_control(const Survey& survey, AsBuiltSurvey& found);
 
-// Asks of a single control tag whether it hangs as surveyed, which its own adjustment cannot tell:
-// all others would be moved instead. The others are taken to hang about the surveyed places, by as
-// much as they differ among themselves. Returns where the control tag hangs when they contradict
-// it. Nothing when they do not, are fewer than three, or differ by more than 0.1 m.
+// Checks whether a single control tag hangs as surveyed, which its own adjustment cannot show: all
+// others would be moved instead. The others are assumed to hang about the surveyed places, within
+// the scatter among themselves. Returns where the control tag hangs when they contradict it.
+// Nothing when they do not, are fewer than three, or differ by more than 0.1 m.
 std::optional<AsBuiltTag> contradicted_by_others(const Survey& survey, const Rig& rig,
                                                  std::span<const SightedTag> sighted,
                                                  const std::string& control);

@@ -25,7 +25,7 @@ std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& 
   for (int y = y0; y < y1; ++y) {
     crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
   }
-  if (image.is_negative) crop = exchange_black_and_white(crop.view());  // people see the plate
+  if (image.is_negative) crop = exchange_black_and_white(crop.view());  // shown as it is
   while (crop.width > kMostCrop) crop = half_size(crop.view());
   return orientation == 1 ? std::move(crop) : turn_upright(crop.view(), orientation);
 }

@@ -21,17 +21,18 @@
 namespace tagsmith::detail {
 namespace {
 
-// What is too narrow to be read is told as seen from the side beyond this incidence, radians.
+// A plate that is too narrow to be read is reported as seen from the side beyond this incidence,
+// radians.
 constexpr double kSteep = radians(70);
 // Beyond these nothing in docs/accuracy.md is read.
 constexpr double kDarkestWhite = 40;  // samples, 0 to 255
 constexpr double kBrightestBars = 170;
 constexpr double kLeastPlateContrast = 20;
 constexpr double kMostBlur = 0.9;   // modules
-constexpr double kSharpBlur = 1.2;  // pixels: what lens and pixels leave of a photo in focus
+constexpr double kSharpBlur = 1.2;  // pixels: the blur of lens and pixels in a photo in focus
 constexpr double kMostHidden = 0.05;
-constexpr double kEndOfScale = 255;  // of every camera's samples: what is brighter is lost
-// Modules that bars are wider or narrower as printers and cameras go: what the reader expects.
+constexpr double kEndOfScale = 255;  // of every camera's samples: brighter light is clipped
+// Modules by which printers and cameras usually widen or narrow bars: what the reader expects.
 constexpr double kUsualGrowth = kImaging.edge;
 
 struct Levels {
@@ -63,7 +64,7 @@ double shortening(const TagTemplate& tag, double length, double height) {
 }
 
 // The corners from the upper left one of a plate that hangs upright, in a picture that is to be
-// shown so: those of what was not read begin anywhere.
+// shown so: the corners of a plate that was not read begin anywhere.
 FrameCorners from_upper_left(const GrayView& image, const TagTemplate& tag, FrameCorners corners,
                              int orientation) {
   const double along = length_of(corners);
@@ -80,7 +81,7 @@ FrameCorners from_upper_left(const GrayView& image, const TagTemplate& tag, Fram
   return corners;
 }
 
-// A plate as it is looked at for what keeps it from being read.
+// A plate with the measurements that may show why it cannot be read.
 struct PlateLook {
   const GrayView& image;
   const TagTemplate& tag;
@@ -102,7 +103,7 @@ PlateLook look_at(const GrayView& image, const TagTemplate& tag, const FrameCorn
   return look;
 }
 
-// What the light is measured of, in words.
+// The object whose light is measured, in words.
 struct Lit {
   const char* bright;
   const char* dark;
@@ -154,7 +155,7 @@ std::optional<double> median_of(std::vector<int> samples) {
   return quantile(samples, 0.5);
 }
 
-// Of the middle of the frame's upper and lower strokes; nothing when the picture has none of it.
+// The level amid the frame's upper and lower strokes; nothing when they are outside the picture.
 std::optional<double> stroke_level(const GrayView& image, const TagTemplate& tag,
                                    const FrameCorners& corners) {
   const Homography image_from_frame = homography_to(corners);
@@ -169,7 +170,7 @@ std::optional<double> stroke_level(const GrayView& image, const TagTemplate& tag
   return median_of(std::move(samples));
 }
 
-// Of the middle of the quiet zones, where the blur of frame and bars hardly reaches.
+// The level amid the quiet zones, where the blur of frame and bars hardly reaches.
 std::optional<double> ground_level(const GrayView& image, const TagTemplate& tag,
                                    const FrameCorners& corners) {
   constexpr int kSteps = 12;
@@ -189,7 +190,7 @@ std::optional<double> ground_level(const GrayView& image, const TagTemplate& tag
   return median_of(std::move(samples));
 }
 
-// Of the white inside the frame against its strokes.
+// The white inside the frame compared with its strokes.
 double frame_contrast(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners) {
   const std::optional<double> black = stroke_level(image, tag, corners);
   return black ? levels_in(image, corners).bright - *black : 0;
@@ -226,7 +227,7 @@ double edge_width(const GrayView& image, const TagTemplate& tag, const FrameCorn
   return widest;
 }
 
-// The place of what is hidden, as one sees who faces the plate; shares of the bars' area.
+// The place of what is hidden, as seen by a viewer who faces the plate; shares of the bars' area.
 std::string place_in_words(double right, double down, bool knows_up) {
   const char* row = down < 1.0 / 3 ? "upper" : down > 2.0 / 3 ? "lower" : "middle";
   const char* column = right < 1.0 / 3 ? "left" : right > 2.0 / 3 ? "right" : "middle";
@@ -235,8 +236,8 @@ std::string place_in_words(double right, double down, bool knows_up) {
                      knows_up ? "" : " as the picture stands (which way is up in it is not known)");
 }
 
-// Parts of the bars' area in which no bars and spaces are seen, though they are elsewhere. A cell
-// is wider than any element.
+// Parts of the bars' area in which no bars and spaces are seen, though they are seen elsewhere. A
+// cell is wider than any element.
 std::optional<Diagnosis> judge_cover(const PlateLook& look) {
   const GrayView& image = look.image;
   const TagTemplate& tag = look.tag;
@@ -248,7 +249,7 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
   constexpr double kLeastModule = 1.5;  // pixels; below, blur hides bars
   constexpr double kFaint = 0.35;       // of the contrast that most cells have
   constexpr double kSharp = 0.6;        // of the frame's contrast, that most cells have
-  constexpr double kWidestEdge = 1.0;   // modules: a symbol so blurred has no cells to compare
+  constexpr double kWidestEdge = 1.0;   // modules: with more blur, cells cannot be compared
   if (look.module_px < kLeastModule || edge_width(image, tag, corners) > kWidestEdge) {
     return std::nullopt;
   }
@@ -307,7 +308,7 @@ std::optional<Diagnosis> judge_blur(double blur, double module_px) {
   return Diagnosis{"blurred", fmt::format("blur of {:.2f} modules, limit {:.1f}", blur, kMostBlur)};
 }
 
-// Whether half of the plate's white and more is at the end of the scale. In a negative the white is
+// Whether half of the plate's white or more is at the end of the scale. In a negative the white is
 // that of the frame, and its end is 0. On pages and in scans white paper is there as well.
 bool is_white_lost(const PlateLook& look) {
   if (!look.is_photo) return false;
@@ -315,9 +316,9 @@ bool is_white_lost(const PlateLook& look) {
   return ground_level(look.image, look.tag, look.corners) == kEndOfScale;
 }
 
-// White beyond the end of the scale eats into all bars from both sides, as far as the blur reaches.
-// Dirt and damage are in some of them, and ink makes bars wider. A fit to what is no symbol tells
-// nothing of its bars.
+// White beyond the end of the scale narrows all bars from both sides, as far as the blur reaches.
+// Dirt and damage affect only some of them, and ink makes bars wider. A fit to something that is no
+// symbol determines nothing about its bars.
 std::optional<Diagnosis> judge_exposure(const PlateLook& look) {
   if (look.fit == nullptr || look.fit->explained < kJudge.like_symbol) return std::nullopt;
   const double growth = look.fit->image.growth;
@@ -329,8 +330,8 @@ std::optional<Diagnosis> judge_exposure(const PlateLook& look) {
                            kEndOfScale, growth > 0 ? "wider" : "narrower", eaten, kUsualGrowth)};
 }
 
-// Of a symbol that one growth explains. Rendered symbols grown by 0.65 to 0.9 modules either way
-// are explained to 0.995 and more, covered ones that a fit calls grown to 0.95 and less.
+// For a symbol that one growth explains. Rendered symbols grown by 0.65 to 0.9 modules either way
+// are explained to 0.995 and more, covered ones that a fit reports as grown to 0.95 and less.
 std::optional<Diagnosis> judge_growth(const PlateLook& look) {
   constexpr double kLeastExplained = 0.97;
   const SymbolFit* fit = look.fit;
@@ -356,14 +357,14 @@ std::optional<Diagnosis> judge_bars(const PlateLook& look) {
 
 // In order of precedence. Geometry comes before light, and light before the bars, because each
 // makes the later measurements worthless. Bars that grew until they touch, or shrank to hairs, have
-// cells without contrast as if they were covered. A frame so blurred says more than a fit to what
-// is left of the bars, and so does white that is lost.
+// cells without contrast as if they were covered. A frame that is blurred so much is better
+// evidence than a fit to what is left of the bars, and so is clipped white.
 constexpr std::optional<Diagnosis> (*kJudges[])(const PlateLook&) = {
     judge_view,       judge_plate_light, judge_growth, judge_cover,
     judge_frame_blur, judge_exposure,    judge_bars,
 };
 
-// What a refusal without a measured cause is mostly due to.
+// The most frequent reason for a refusal without a measured cause.
 std::string suspicion(RejectionReason reason) {
   switch (reason) {
     case RejectionReason::element_widths:

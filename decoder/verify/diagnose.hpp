@@ -16,17 +16,17 @@ struct Diagnosis {
   std::string words;  // what was measured and its limit
 };
 
-// What keeps a refused tag from being read: the first that applies of end-on, too small, too dark,
-// glare, low contrast, bars grown, covered, blurred; else `undecodable`, with what is suspected.
-// In a photo it is glare, too, when white at the end of the camera's scale leaves bars narrow:
-// before bars grown, and before what the bars alone tell of blur.
-// `orientation` of the picture (EXIF): places on a plate are told as one sees it upright; nothing =
-// not known, the picture's own up is taken and said.
+// The reason why a refused tag cannot be read: the first that applies of end-on, too small, too
+// dark, glare, low contrast, bars grown, covered, blurred; else `undecodable`, with what is
+// suspected. In a photo it is glare, too, when white at the end of the camera's scale leaves bars
+// narrow: before bars grown, and before the blur that the bars alone show. `orientation` of the
+// picture (EXIF): places on a plate are described as in the upright picture; nothing = not known,
+// then the stored picture's own up is used and named.
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
                    const std::optional<int>& orientation = 1, bool is_photo = true);
 
 // What covers or damages the bars of a tag that was read nevertheless: rule `covered`, and in words
-// how much and where; nothing when all is in view. Takes what judging an unread one takes.
+// how much and where; nothing when all is in view. Takes as long as the diagnosis of an unread one.
 std::optional<Diagnosis> find_cover(const GrayView& image, const TagTemplate& tag,
                                     const FrameCorners& corners,
                                     const std::optional<int>& orientation);

@@ -50,12 +50,12 @@ std::optional<Strip> look_at(const GrayView& image, const TagTemplate& tag,
                static_cast<double>(dark - samples.begin()) / static_cast<double>(samples.size())};
 }
 
-// Where the label's text stands; nothing when none is below the frame.
+// Where the label's text stands; nothing when there is no text below the frame.
 std::optional<Rectangle> label_below(const TagTemplate& tag) {
   if (!tag.label.shown) return std::nullopt;
   const Rectangle strip = strip_below_frame(tag);
   if (strip.height < kLeastLabelHeight) return std::nullopt;
-  // The patches at its right end would be ink as well.
+  // The patches at its right end would count as ink.
   const double width = strip.width - (tag.patch_size > 0 ? 2.5 * tag.patch_size : 0);
   return Rectangle{strip.x, strip.y, width, strip.height};
 }
@@ -68,7 +68,7 @@ bool is_mirrored(const GrayView& image, const TagTemplate& tag, const FrameCorne
   const std::optional<Strip> wrong = look_at(image, tag, corners, above);
   constexpr double kBlank = 0.003;
   constexpr double kLeastInk = 0.02;
-  constexpr double kMostInk = 0.4;  // rock and other plates are darker on the whole
+  constexpr double kMostInk = 0.4;  // rock and other plates are darker as a whole
   constexpr double kSameWhite = 0.7;
   return right && wrong && right->ink < kBlank && wrong->ink > kLeastInk && wrong->ink < kMostInk &&
          right->white > kSameWhite * wrong->white && wrong->white > kSameWhite * right->white;
@@ -86,9 +86,9 @@ Margins margins_of(const TagTemplate& tag) {
   return {both / 2 - tag.frame_offset_up, both / 2 + tag.frame_offset_up};
 }
 
-// How far the plate's white goes on from the frame's outer edge, upwards or downwards: in most
-// places along the frame, since letters end it early. Nothing when it goes on beyond `farthest` or
-// out of the picture: paper on paper, a white wall.
+// How far the plate's white extends from the frame's outer edge, upwards or downwards: a high
+// quantile of places along the frame, since letters end it early. Nothing when it continues beyond
+// `farthest` or out of the picture: paper on paper, a white wall.
 std::optional<double> white_beyond(const GrayView& image, const TagTemplate& tag,
                                    const Homography& image_from_frame, bool upwards,
                                    double farthest) {
@@ -119,8 +119,8 @@ std::optional<double> white_beyond(const GrayView& image, const TagTemplate& tag
   return width;
 }
 
-// Where the frame stands out of the plate's middle, a mirrored print has its wider margin above the
-// bars as they are read, not below, or the other way round.
+// Where the frame is not in the middle of the plate, a mirrored print has its wider margin above
+// the bars as they are read, not below, or the reverse.
 bool is_mirrored_by_margins(const GrayView& image, const TagTemplate& tag,
                             const FrameCorners& corners) {
   constexpr double kLeastDifference = 0.010;  // metres
@@ -163,8 +163,8 @@ ReadOptions options_for(const PictureEvidence& evidence) {
   return options;
 }
 
-// The survey's name of what bears these digits; or of what should, if it is read as it is printed:
-// by the manifest, or but for its check digit.
+// The survey's name of the tag with these digits; or of the tag that should have them, if the print
+// is as the manifest says, or only the check digit is wrong.
 std::string tag_of(const PictureEvidence& evidence, const Digits& digits) {
   if (const PlacedTag* tag = find_tag(evidence.survey, digits)) return tag->name;
   if (home_of(evidence.also, digits) != nullptr) return {};
@@ -177,7 +177,7 @@ std::string tag_of(const PictureEvidence& evidence, const Digits& digits) {
   return printed == evidence.expected.end() ? std::string() : printed->name;
 }
 
-// Of a Reading or FramelessReading, whose outline is given.
+// From a Reading or FramelessReading, whose outline is given.
 TagEvidence seen_as(const PictureEvidence& evidence, Sight sight, const auto& reading,
                     const FrameCorners& corners) {
   TagEvidence seen;
@@ -191,12 +191,12 @@ TagEvidence seen_as(const PictureEvidence& evidence, Sight sight, const auto& re
   return seen;
 }
 
-// The survey's tags that are read in another version of the picture; of a page the first, of
-// whatever code.
+// The survey's tags that are read in another version of the picture; on a page the first tag,
+// whatever its code.
 std::vector<TagEvidence> read_changed(const PictureReading& read, const PictureEvidence& evidence,
                                       const GrayImage& changed, Sight sight) {
   ReadOptions options = options_for(evidence);
-  options.white_on_black = false;  // black and white are exchanged already where they are to be
+  options.white_on_black = false;  // black and white are already exchanged where needed
   if (!evidence.is_photo) {
     options.code_book.clear();
     options.check.reset();
@@ -209,8 +209,8 @@ std::vector<TagEvidence> read_changed(const PictureReading& read, const PictureE
   return tags;
 }
 
-// Bars that touch, or that are hairs, stand apart again when as much ink is taken away or added as
-// the reader follows by itself.
+// Bars that touch, or that are hairs, can be separated when the ink is reduced or increased by as
+// much as the reader tolerates on its own.
 std::vector<TagEvidence> read_with_other_ink(const PictureReading& read,
                                              const PictureEvidence& evidence) {
   const double module = module_width(evidence.survey.tag_template);
@@ -225,8 +225,8 @@ std::vector<TagEvidence> read_with_other_ink(const PictureReading& read,
   return {};
 }
 
-// Bars that were read where a frame was refused give that a name: a guess where its frame makes it
-// one. All others are tags of their own; those of no survey are left out.
+// Bars that were read where a frame was refused give the refusal a name; this is a guess if its
+// frame makes it one. All others are separate tags; those of no survey are left out.
 void see_bars(const FramelessReading& bars, bool is_guess, PictureEvidence& evidence) {
   const auto there = std::ranges::find_if(
       evidence.tags, [&](const TagEvidence& seen) { return overlap(seen.tag.corners, bars.bars); });
@@ -241,7 +241,7 @@ void see_bars(const FramelessReading& bars, bool is_guess, PictureEvidence& evid
   if (!is_guess) there->tag.tag = tag->name;
 }
 
-// Puts them in the place of what was refused there. True when there are some.
+// Replaces what was refused there. True when there are some.
 bool replace_refused(const std::vector<TagEvidence>& found, PictureEvidence& evidence) {
   for (const TagEvidence& tag : found) {
     std::erase_if(evidence.tags, [&](const TagEvidence& other) {
@@ -267,14 +267,14 @@ void see_hidden(const PictureReading& read, PictureEvidence& evidence) {
   }
   if (replace_refused(read_with_other_ink(read, evidence), evidence)) return;
   const std::optional<Diagnosis> light = diagnose_picture(evidence.image);
-  const bool is_dark = light && light->rule == "too-dark";  // that is why there is no frame
+  const bool is_dark = light && light->rule == "too-dark";  // why there is no frame
   if (evidence.tags.empty() && !frameless.read.empty() && !is_dark) {
     see_bars(frameless.read.front(), false, evidence);
   }
 }
 
 // A tag that was read otherwise stays. What was refused there is given a name, or, where the
-// picture's border cuts it, gives way to the part.
+// picture's border cuts it, is replaced by the part.
 void see_part(const PartReading& part, PictureEvidence& evidence) {
   TagEvidence seen;
   seen.sight = Sight::part;
@@ -344,8 +344,8 @@ void see_tags(const PictureReading& read, PictureEvidence& evidence) {
 
 namespace {
 
-// How near a refusal came to a reading: all of a doubtful one is explained but a digit; of others
-// the share of the bars that is.
+// How nearly a refusal was a reading: all of a doubtful one is explained except a digit; of others
+// the share of the bars that is explained.
 double nearness(const Rejection& rejection) {
   if (rejection.reason == RejectionReason::doubtful) return 1;
   return rejection.symbol ? rejection.symbol->decoding.fit.explained : 0;
@@ -402,7 +402,7 @@ const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits) {
     if (std::ranges::equal(std::span(tag.digits).first<11>(), std::span(digits).first<11>())) {
       return &tag;
     }
-    if (differing == least) nearest = nullptr;  // neither one nor the other
+    if (differing == least) nearest = nullptr;  // two are equally near
     if (differing < least) nearest = &tag;
     least = std::min(least, differing);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is seen of tags in one picture. Findings are functions of it (findings.hpp); what one of
-// them alone needs is measured there.
+// What is seen of tags in one picture. Findings are functions of it (findings.hpp); what only one
+// of them needs is measured there.
 #pragma once
 
 #include <functional>
@@ -22,12 +22,12 @@ namespace tagsmith::detail {
 
 // ---- Mirrored prints.
 
-// How it is seen that a tag is a mirrored print; empty when it is not. A UPC-A symbol mirrored has
-// the bars of the same symbol upside down, so its bars cannot tell. The label can: it stands below
-// the frame as the bars are read, and above it in a mirrored print. Told where that place is white
-// and ink stands in the opposite one, from 4 px a module on. Where the frame stands 5 mm and more
-// above or below the plate's middle, the plate's edges tell the same from 2 px a module on, before
-// a dark ground.
+// The evidence that a tag is a mirrored print; empty when it is not. A UPC-A symbol mirrored has
+// the bars of the same symbol upside down, so its bars cannot show it. The label can: it stands
+// below the frame as the bars are read, and above it in a mirrored print. Detected where that place
+// is white and ink stands in the opposite one, from 4 px a module on. Where the frame is 5 mm and
+// more above or below the plate's middle, the plate's edges show the same from 2 px a module on,
+// before a dark ground.
 std::string find_mirroring(const GrayView& image, const TagTemplate& tag,
                            const FrameCorners& corners, double module_px);
 
@@ -48,9 +48,9 @@ struct TagEvidence {
   VerifiedTag tag;  // what was read of it; `ok` until a finding is made
   Sight sight = Sight::read;
   const Rejection* refusal = nullptr;  // why it was refused
-  std::string by_bars{};               // of what was refused: which tag it is by its bars, in words
+  std::string by_bars{};               // for a refused tag: which tag it is by its bars, in words
   std::string fits{};                  // of a part: the tags of the survey that it fits, in words
-  std::string mirrored{};  // how it is seen that the print is mirrored; empty = it is not
+  std::string mirrored{};              // the evidence that the print is mirrored; empty = it is not
 };
 
 struct PictureEvidence {
@@ -75,25 +75,24 @@ struct PictureEvidence {
   std::vector<TagEvidence> tags{};
 };
 
-// What reads a picture: read_tags, or what a test puts around it.
+// The function that reads a picture: read_tags, or a test's wrapper around it.
 using PictureReading = std::function<ReadResult(const GrayView&, const ReadOptions&)>;
 
-// Reads the picture and fills `readings` and `tags`: as any code, so that a tag that should not be
-// there is seen for what it is; what is refused so, as one of the survey's, for tags too small or
-// too worn otherwise. Where no tag is read by its frame, also the picture's negative and the
-// survey's tags by their bars; and a page with more ink and with less. Tags of which a photo shows
-// a part are compared with the survey's.
+// Reads the picture and fills `readings` and `tags`: first with any code allowed, so that a tag
+// that should not be there is recognised; what is refused then, with the survey's codes only, for
+// tags too small or too worn otherwise. Where no tag is read by its frame, also the picture's
+// negative and the survey's tags by their bars; and a page with more ink and with less. Tags of
+// which a photo shows a part are compared with the survey's.
 void see_tags(const PictureReading& read, PictureEvidence& evidence);
 
-// A result without refusals that lie on any reading. Of refusals that lie on each other one is
-// kept, that which came nearest to a reading.
+// A result without refusals that overlap any reading. Of refusals that overlap each other the one
+// is kept that was nearest to a reading.
 ReadResult without_repeats(ReadResult result);
 
-// Whether an outline, were it larger by this share of its size on every side, would leave the
-// picture.
+// Whether an outline, enlarged by this share of its size on every side, would leave the picture.
 bool leaves(const FrameCorners& corners, const GrayView& image, double larger_by = 0);
 
-// "000L", or the digits of a stranger.
+// "000L", or the digits of a tag of no survey.
 std::string name_of(const Survey& survey, const Digits& digits);
 
 // The survey's tag whose digits differ least from these: the one that differs in the check digit

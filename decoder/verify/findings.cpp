@@ -28,7 +28,7 @@ namespace {
 
 constexpr int kSidePlaces = 33;  // along a side
 
-// A side from a to b, and the way out of the frame.
+// A side from a to b, and the direction out of the frame.
 struct FrameEdge {
   PixelPoint a;
   PixelPoint b;
@@ -45,9 +45,9 @@ FrameEdge edge_of(const FrameCorners& corners, std::size_t i) {
   return {a, b, out};
 }
 
-// Where white turns to black on the way out through `at`, pixels from there; nothing without a
-// clear edge. White inside within `inside`, the stroke outside within `stroke`. `samples` is room
-// that is used again.
+// Where white turns to black on the way outwards through `at`, pixels from there; nothing without a
+// clear edge. White is within `inside`, the stroke within `stroke`. `samples` is a buffer that is
+// reused.
 std::optional<double> edge_at(const GrayView& image, PixelPoint at, PixelPoint out, double inside,
                               double stroke, std::vector<double>& samples) {
   constexpr double kStep = 0.25;
@@ -79,7 +79,7 @@ std::optional<double> edge_at(const GrayView& image, PixelPoint at, PixelPoint o
   return std::nullopt;
 }
 
-// The bow of the parabola through the points (place 0 to 1, distance), the worst of which are left
+// The bow of the parabola through the points (place 0 to 1, distance), of which the worst are left
 // out until the rest fit.
 std::optional<double> fitted_bow(std::vector<Eigen::Vector2d> points) {
   constexpr double kMostScatter = 0.35;  // pixels, root mean square
@@ -141,7 +141,7 @@ std::optional<FrameBow> measure_bow(const GrayView& image, const TagTemplate& ta
   FrameBow bow{};
   for (std::size_t i = 0; i < 4; ++i) {
     const FrameEdge side = edge_of(corners, i);
-    // Across this side a metre has as many pixels as along the two that meet it.
+    // Perpendicular to this side a metre has as many pixels as along the two that meet it.
     const double across = distance(corners[(i + 1) % 4], corners[(i + 2) % 4]);
     const double height = i % 2 == 0 ? tag.frame_inner_height : tag.frame_inner_length;
     const double stroke = tag.frame_stroke * across / height;
@@ -227,26 +227,26 @@ std::optional<Finding> find_bent(const PictureEvidence& evidence, const TagEvide
 
 namespace {
 
-// In order of precedence: a tag has the first finding that is made of it.
+// In order of precedence: a tag gets the first finding that applies.
 constexpr FindFault kFindings[] = {
     // Which tag it is, and whether it is read.
     find_stranger,
     find_duplicate,
     find_cut_off,
     find_unread,
-    // What would make the next ones wrong: a mirrored print looks upside down, and a plate upside
-    // down or bent looks as if it hung elsewhere.
+    // Findings that would make the next ones wrong: a mirrored print looks upside down, and a plate
+    // upside down or bent looks as if it hung elsewhere.
     find_mirrored,
     find_upside_down,
     find_bent,
-    // Where it hangs, in photos; then its size and its file, of prints.
+    // Where it hangs, in photos; then its size and its file, for prints.
     find_misplaced,
     find_wrong_scale,
     find_repeated,
     find_other_file,
 };
 
-// What the message of an unreadable tag begins with.
+// The beginning of the message on an unreadable tag.
 constexpr std::string_view kUnread = "a tag was found and could not be read: ";
 
 // "digit 5 (found 3, expected 8), digit 12 (...)": where two codes differ, counted from 1.
@@ -260,7 +260,7 @@ std::string difference_in_words(const Digits& found, const Digits& expected) {
 }
 
 // "; nearest is 002R 000001940408, which differs in digit 3 (...)" where a few wrong digits explain
-// the code; else nothing.
+// the code; otherwise empty.
 std::string nearest_in_words(const Survey& survey, const Digits& digits) {
   constexpr int kMostWrong = 3;  // digits: in codes of twelve, more are another code
   const PlacedTag* nearest = nearest_tag(survey, digits);
@@ -269,8 +269,8 @@ std::string nearest_in_words(const Survey& survey, const Digits& digits) {
                      to_string(nearest->digits), difference_in_words(digits, nearest->digits));
 }
 
-// A code that breaks the survey's check digit. One that is right by the other scheme and that no
-// tag of the survey is near to is a tag of another survey.
+// A code that breaks the survey's check digit. One that is right by the other scheme and that is
+// near no tag of the survey is a tag of another survey.
 Finding wrong_check_digit(const PictureEvidence& evidence, const TagEvidence& seen) {
   const Digits& digits = *seen.tag.digits;
   const CheckDigit scheme = evidence.survey.code.check;
@@ -317,7 +317,7 @@ Finding refused(const PictureEvidence& evidence, const TagEvidence& seen) {
   return {TagStatus::unreadable, why.rule, fmt::format("{}{}{}", kUnread, why.words, seen.by_bars)};
 }
 
-// Bars that read without a frame; in light that hides the frame the light is to blame.
+// Bars that are read without a frame; if the light hides the frame, the light is the reason.
 Finding no_frame(const PictureEvidence& evidence, const TagEvidence& seen) {
   const std::string name = name_of(evidence.survey, *seen.tag.digits);
   if (!evidence.is_photo) {
@@ -393,7 +393,7 @@ std::optional<Finding> find_duplicate(const PictureEvidence& evidence, const Tag
 std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEvidence& seen) {
   const FrameCorners& corners = seen.tag.corners;
   if (!evidence.is_photo) return std::nullopt;
-  // What was taken for a feature frame may be the visible end of one.
+  // The outline that was treated as a feature frame may be the visible end of one.
   constexpr double kHidden = 0.25;
   if (seen.sight == Sight::refused && leaves(corners, evidence.image, kHidden)) {
     return Finding{
@@ -445,7 +445,7 @@ std::optional<Finding> find_mirrored(const PictureEvidence&, const TagEvidence& 
 }
 
 // A frame as printed, metres: its mean sides, and whether it has the template's size and is a
-// rectangle. Scans are to be right within 0.5 %, files within 0.2 %, or 1.5 pixels.
+// rectangle. Scans must be right within 0.5 %, files within 0.2 %, or 1.5 pixels.
 struct PrintedFrame {
   double length = 0;
   double height = 0;
@@ -471,8 +471,8 @@ PrintedFrame printed_frame(const PictureEvidence& evidence, const FrameCorners& 
   return frame;
 }
 
-// The printed size and shape, on a page or in a scan: a frame that is no rectangle shows cameras
-// another direction than the plate has.
+// The printed size and shape, on a page or in a scan: from a frame that is no rectangle, cameras
+// compute another direction than the plate has.
 std::optional<Finding> find_wrong_scale(const PictureEvidence& evidence, const TagEvidence& seen) {
   if (evidence.metres_per_pixel <= 0) return std::nullopt;
   const TagTemplate& tag = evidence.survey.tag_template;

@@ -16,7 +16,7 @@
 
 namespace tagsmith::detail {
 
-// ---- How far the sides of a feature frame are from straight: those of a bent plate bow.
+// ---- How far the sides of a feature frame are from straight: the sides of a bent plate are bowed.
 
 // Of the sides P-F, F-R, R-Q, Q-P: how far the middle of the inner edge stands outwards from the
 // line through its ends, pixels (inwards: negative).
@@ -29,12 +29,12 @@ std::optional<FrameBow> measure_bow(const GrayView& image, const TagTemplate& ta
 // The bow that a camera's lens gives to straight sides between these corners.
 FrameBow bow_of_lens(const Camera& camera, const FrameCorners& corners);
 
-// What is left of the bow when the image is undistorted by the one radial term (about its centre)
-// that leaves least: what a bow tells of the plate when the lens is not known.
+// The rest of the bow when the image is undistorted by the one radial term (about its centre) that
+// leaves least: the evidence for a bent plate when the lens is not known.
 FrameBow without_radial(const FrameBow& bow, const FrameCorners& corners, int width, int height);
 
 // Share of their length by which both of two opposite sides bow to the same direction; the larger
-// of the two pairs of sides. A flat plate has next to none under any perspective.
+// of the two pairs of sides. A flat plate has almost none under any perspective.
 double share_of_bend(const FrameBow& bow, const FrameCorners& corners);
 
 // A bend from which a tag counts as bent: with a calibrated camera, and without one.
@@ -46,11 +46,11 @@ std::optional<Finding> find_bent(const PictureEvidence& evidence, const TagEvide
 
 // ---- The findings.
 
-// Looks at one tag of which none of the findings before it in the list was made. `status` of the
-// picture's other tags is what those findings left.
+// Checks one tag for which none of the findings before it in the list was made. `status` of the
+// picture's other tags is the result of those findings.
 using FindFault = std::optional<Finding> (*)(const PictureEvidence&, const TagEvidence&);
 
-// Makes one finding at most of every tag: the first of the list, in its order of precedence.
+// Makes at most one finding for every tag: the first of the list, in its order of precedence.
 void find_faults(PictureEvidence& evidence);
 
 std::optional<Finding> find_stranger(const PictureEvidence& evidence, const TagEvidence& seen);

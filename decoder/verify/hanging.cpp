@@ -40,7 +40,7 @@ std::optional<PixelPoint> beside(const TagTemplate& tag, const FrameCorners& a,
   return seen[0];
 }
 
-// What contradicts the survey in how b hangs beside a, seen in the plane of either plate.
+// How b hangs beside a in contradiction to the survey, seen in the plane of either plate.
 std::optional<Finding> compare(const Survey& survey, const VerifiedTag& a, const VerifiedTag& b) {
   const PlacedTag* first = find_tag(survey, *a.digits);
   const PlacedTag* second = find_tag(survey, *b.digits);
@@ -65,8 +65,8 @@ std::optional<Finding> compare(const Survey& survey, const VerifiedTag& a, const
                              expected > 0 ? "right" : "left")};
 }
 
-// From the upper edge to the lower one as the tag itself stands, in the picture as the camera noted
-// that it is to be shown.
+// The direction from the upper edge to the lower one as the tag itself stands, in the picture
+// turned as the camera noted.
 PixelPoint down_of(const PictureEvidence& evidence, const TagEvidence& seen) {
   FrameCorners corners = seen.tag.corners;
   if (evidence.orientation) {
@@ -82,7 +82,7 @@ bool opposes(const PixelPoint& a, const PixelPoint& b) {
 }
 bool agrees(const PixelPoint& a, const PixelPoint& b) { return opposes(a, -1.0 * b); }
 
-// How the tags stand that read as they should and that the survey has upright.
+// The directions of tags that read as they should and that the survey has upright.
 std::vector<PixelPoint> standing_tags(const PictureEvidence& evidence) {
   std::vector<PixelPoint> downs;
   for (const TagEvidence& seen : evidence.tags) {
@@ -113,7 +113,7 @@ bool reads_well(const PictureEvidence& evidence, const TagEvidence& seen) {
 }
 
 UpSource up_of_photo(const PictureEvidence& evidence) {
-  // In a mirrored picture plates read as if they stood on their head.
+  // In a mirrored picture plates read as if they were upside down.
   const bool noted = evidence.orientation && !Upright{*evidence.orientation}.mirrors();
   if (!noted) return UpSource::unknown;
   const std::vector<PixelPoint> downs = standing_tags(evidence);
@@ -148,7 +148,7 @@ std::optional<Finding> find_upside_down(const PictureEvidence& evidence, const T
       std::ranges::count_if(downs, [&](const PixelPoint& other) { return opposes(down, other); });
   const auto with =
       std::ranges::count_if(downs, [&](const PixelPoint& other) { return agrees(down, other); });
-  if (against < 2 || with > 1) return std::nullopt;  // it agrees with itself
+  if (against < 2 || with > 1) return std::nullopt;  // it agrees with itself: `with` counts it
   return upside_down(
       seen, fmt::format(" against the {} other tags in the photo: it hangs upside down, or is a "
                         "mirrored print (which way is up in the photo is not known: the others may "
@@ -158,7 +158,7 @@ std::optional<Finding> find_upside_down(const PictureEvidence& evidence, const T
 
 namespace {
 
-// A tag of the photo that hangs beside another as the survey does not have it.
+// A tag of the photo that does not hang beside another as the survey has it.
 struct Contradiction {
   const TagEvidence* other = nullptr;
   Finding finding;
@@ -186,7 +186,7 @@ std::vector<Contradiction> contradictions_of(const PictureEvidence& evidence,
 }  // namespace
 
 // Of two tags that contradict each other the one hangs wrong that contradicts more others. Where
-// both contradict as many, nothing tells which of them does.
+// both contradict as many, it cannot be determined which of them does.
 std::optional<Finding> find_misplaced(const PictureEvidence& evidence, const TagEvidence& seen) {
   if (!evidence.is_photo) return std::nullopt;
   const std::vector<Contradiction> own = contradictions_of(evidence, seen);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where tags hang, by all photos together: as-built deviations from the survey, judged over the
-// results of all files and written back into each.
+// Where tags hang, determined from all photos together: as-built deviations from the survey, judged
+// over the results of all files and written back into each.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@
 
 namespace tagsmith::detail {
 
-// Which photos can tell where tags hang, and how far from its place one may hang.
+// Which photos can show where tags hang, and how far from its place one may hang.
 struct HangingSetup {
   Rig rig;
   PhotoCameras cameras;
@@ -32,7 +32,7 @@ struct HangingSetup {
 // Calls back with the result of every file, in the same order each time.
 using EachFile = std::function<Result<void>(const std::function<void(const VerifiedFile&)>&)>;
 
-// Calls `take` with the tags of every photo that tell where they hang, and with the note on a photo
+// Calls `take` with the tags of every photo that show where they hang, and with the note on a photo
 // that could not be used. A file counts once, and only if it was verified against this state of the
 // survey.
 Result<void> for_each_sighted(
@@ -48,10 +48,10 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
 
 // Writes into a photo's tags where they hang: off becomes `misplaced`, doubtful `doubtful`, and a
 // `misplaced` by one photo alone that hangs as surveyed `ok`. In photos that fit no place of the
-// cameras all tags become `doubtful`. What an earlier check said of where they hang is forgotten.
-// By a rig that stands_level, tags in order that the survey has upright and that stand on their
-// head, a quarter turn and more, become `misprinted` (rule `upside-down`), and what the camera's
-// own note made doubtful is in order again.
+// cameras all tags become `doubtful`. What an earlier check said of where they hang is removed.
+// With a rig that stands_level, tags in order that the survey has upright and that are turned by a
+// quarter turn and more become `misprinted` (rule `upside-down`), and tags that the camera's own
+// note made doubtful are in order again.
 void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
                    VerifiedFile& file);
 

@@ -85,7 +85,7 @@ std::string outdated(const Survey& survey, const ManifestTag& printed) {
   return {};
 }
 
-// Why a document of all tags, such as the setting-out list, no longer holds; empty when it does.
+// Why a document of all tags, such as the setting-out list, is outdated; empty when it is not.
 std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
   std::vector<std::string> names;
   for (const ManifestTag& tag : manifest.tags) {
@@ -100,7 +100,7 @@ std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
   return fmt::format("it lists {} as before the survey was changed: print it again", listed(names));
 }
 
-// What the template has otherwise than was printed; empty when nothing.
+// The lengths in which the template differs from the print; empty when there are none.
 std::string other_plate(const PrintManifest& printed, const TagTemplate& tag) {
   constexpr double kSameLength = 0.001;  // mm
   if (printed.white_on_black && *printed.white_on_black != tag.white_on_black) {
@@ -173,7 +173,7 @@ std::optional<TilePlan> parse_tiles(const json& root) {
   return plan;
 }
 
-// Fields that older manifests lack; whatever is not understood is left out.
+// Fields that older manifests do not have; unknown content is left out.
 void read_details(const json& root, PrintManifest& manifest) {
   constexpr int kMostDotsPerInch = 10'000;
   read_plate(root, manifest);
@@ -297,7 +297,7 @@ void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFil
     reasons.push_back(outdated_list(survey, manifest));
   }
   std::erase(reasons, "");
-  // Every reason but one is of no use when it is another survey's print.
+  // When it is another survey's print, that is the only reason of use.
   if (!reasons.empty() && manifest.survey != survey.name) {
     file.add_finding("other-survey",
                      fmt::format("it was printed from survey {}, expected {} (manifest.json)",

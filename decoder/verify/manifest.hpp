@@ -38,30 +38,30 @@ struct PrintManifest {
   std::string survey;
   std::vector<ManifestTag> tags;
   std::string revision{};                       // of the survey; empty = not said
-  std::vector<std::string> documents{};         // files that hold no tag to hang
+  std::vector<std::string> documents{};         // files without a tag for hanging
   std::map<std::string, std::string> sha256{};  // by file
   std::map<std::string, double> lengths{};      // of plates, named as by printed_lengths, mm
   std::optional<bool> white_on_black{};
-  std::string template_revision{};  // empty = not said
+  std::string template_revision{};  // empty = not stated
   bool tiled = false;               // the files hold pieces of tags
-  std::optional<TilePlan> tiles{};  // how these go together, when it is said
+  std::optional<TilePlan> tiles{};  // how these are assembled, when it is stated
   PrinterScale scale{};             // of the printer that PDFs are for
-  int dots_per_inch = 0;            // of PNG files; 0 = not said
+  int dots_per_inch = 0;            // of PNG files; 0 = not stated
   int printer_dots_per_inch = 0;    // that modules were fitted to; 0 = none
 };
 
-// The tags that the manifest says a file holds, in its order.
+// The tags that a file holds according to the manifest, in its order.
 std::vector<ManifestTag> tags_of_file(const PrintManifest& manifest, const std::string& file);
 
-// What a file of the manifest is, for who checks it.
+// What a file of the manifest is, for a check of it.
 enum class ManifestEntry { tags, tiles, document, stranger };
 ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file);
 
 // The manifest beside a print file; nothing when there is none, or when the manifest.json there is
-// something else (it has no "survey" or no "tags"). Fails when it is ours and broken.
+// something else (it has no "survey" or no "tags"). Fails when it is a broken manifest.
 Result<std::optional<PrintManifest>> find_manifest(const std::filesystem::path& print_file);
 
-// The manifests of the folders looked at last, each parsed once. Threads may share one.
+// The manifests of the folders searched last, each parsed once. Threads may share one.
 class ManifestCache {
  public:
   // As find_manifest; null when there is none.
@@ -77,15 +77,15 @@ class ManifestCache {
   std::deque<Entry> entries_;  // the oldest first
 };
 
-// Of a print file that the manifest beside it does not list: nothing tells from which state of the
-// survey it is.
+// For a print file that the manifest beside it does not list: it cannot be determined from which
+// state of the survey it was printed.
 void find_unlisted(const PrintManifest& manifest, VerifiedFile& file);
 
-// As find_stale by what a print file says of itself, where no manifest lists it.
+// As find_stale from what a print file states about itself, where no manifest lists it.
 void find_stale(const ManifestTag& stated, const Survey& survey, VerifiedFile& file);
 
-// What the template now has otherwise than the plates were printed, as a reason for their being
-// stale; empty when nothing.
+// The lengths in which the template now differs from the printed plates, as a reason for their
+// being stale; empty when there are none.
 std::string printed_otherwise(const PrintManifest& manifest, const TagTemplate& tag);
 
 // Adds a finding for each of these tags of the manifest that was not read in its file.
@@ -95,7 +95,7 @@ void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file);
 // SHA-256 is not the manifest's, and makes it stale, with the reason among the findings, when the
 // survey now has other digits, another place or another plate for one of its tags, or no such tag.
 // A document is stale when one of the manifest's tags is, or the survey has another revision; it is
-// told, too, when a table of the manifest beside it is not the one that was printed.
+// reported, too, when a table of the manifest beside it is not the one that was printed.
 void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFile& file);
 
 }  // namespace tagsmith::detail

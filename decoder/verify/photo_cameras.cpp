@@ -28,7 +28,7 @@ struct NameInName {
   }
 };
 
-// Adds where the word stands in the text, set off on both sides.
+// Adds each place where the word stands in the text, delimited on both sides.
 void add_words(const std::string& text, const std::string& word, std::size_t camera,
                std::vector<NameInName>& found) {
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
@@ -39,7 +39,7 @@ void add_words(const std::string& text, const std::string& word, std::size_t cam
   }
 }
 
-// One name for one file, however it is written.
+// One name for one file, in whatever way it is written.
 fs::path absolute_name(const fs::path& path) {
   std::error_code failed;
   const fs::path name = fs::weakly_canonical(path, failed);

@@ -51,7 +51,7 @@ std::vector<ProofTag> tags_on(std::span<const ProofPage> pages) {
 
 bool has_png_name(const fs::path& path) { return path.extension() == ".png"; }
 
-// A whole fraction of the printer's dots, so that what stands on dots stands on pixels.
+// A whole fraction of the printer's dots, so that edges on dots lie on pixels.
 double resolution_for(const ProofTag& tag, int dots_per_inch) {
   const Rectangle& frame = tag.drawing().frame_outer;
   const double tag_area = (frame.width + 2 * kAround) * (frame.height + 2 * kAround);
@@ -71,7 +71,7 @@ int pixel_at(double metres, double per_metre) {
   return static_cast<int>(std::lround(metres * per_metre));
 }
 
-// The tag put together. `p`: where P is, in pixels of the image (their centres at whole numbers).
+// The assembled tag. `p`: where P is, in pixels of the image (their centres at whole numbers).
 struct ReadyTag {
   GrayImage image;
   PixelPoint p;
@@ -91,7 +91,7 @@ Rectangle common_part(const Rectangle& a, const Rectangle& b) {
   return {left, top, std::max(right - left, 0.0), std::max(bottom - top, 0.0)};
 }
 
-// Every piece stands where its page shows P; sheets glued together are the pieces over each other.
+// Every piece is where its page shows P; sheets glued together are the pieces laid over each other.
 Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
   const double per_metre = dots_per_inch / kMetresPerInch;
   const Rectangle outer = tag.frame_on_page();
@@ -127,7 +127,8 @@ Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
   return ready;
 }
 
-// What zbar reads in the image, reduced to about 4 pixels a module; nothing when it is not there.
+// The text that zbar reads in the image, reduced to about 4 pixels a module; nothing when it reads
+// none.
 std::optional<std::string> read_by_zbar(const GrayImage& image, double module_px) {
   constexpr double kEnough = 4;
   const int factor = std::max(1, static_cast<int>(module_px / kEnough));
@@ -163,7 +164,7 @@ void compare_digits(const Survey& survey, const ProofTag& tag, const Reading& re
 }
 
 // Where the frame's own edges will be once the ink adds what drawing it thinner took away. Bars are
-// not asked: their edges stand on the nearest dots, so they are less exact than a drawn frame.
+// not used: their edges stand on the nearest dots, so they are less exact than a drawn frame.
 FrameCorners corners_when_printed(const Reading& reading, double bar_adjustment_px) {
   return widened(reading.symbol.value().frame.corners, bar_adjustment_px / 2);
 }

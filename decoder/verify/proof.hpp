@@ -13,8 +13,8 @@ namespace tagsmith::detail {
 
 // What ProvePages asks for (tagsmith/cli/print_proof.hpp). Tags are read as cameras will read them:
 // by the survey's template, but without its list of codes. A tag fails when its digits are not the
-// survey's, or a corner or a side of the frame is off by more than 0.15 mm or 1.5 pixels. zbar is
-// asked about gs1 codes when it is installed.
+// survey's, or a corner or a side of the frame is off by more than 0.15 mm or 1.5 pixels. zbar
+// reads gs1 codes as well when it is installed.
 Result<std::vector<TagProof>> prove_pages(const Survey& survey, std::span<const ProofPage> pages,
                                           int dots_per_inch);
 

@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::size_t kErrorBytes = 64U << 10U;
 
-// A pipe whose ends close themselves, and do not leak into other children.
+// A pipe whose ends close automatically, and are not inherited by other child processes.
 class Pipe {
  public:
   Pipe() {
@@ -91,7 +91,7 @@ bool drain(int descriptor, std::string& text) {
   return count > 0;
 }
 
-// Reads both streams until they end. The message of what went wrong, empty when nothing did.
+// Reads both streams until they end. Returns the error message, empty when there was no error.
 std::string collect(int out, int err, const ProcessLimits& limits, ProcessOutput& output) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point deadline = Clock::now() + limits.time;
@@ -143,7 +143,7 @@ constexpr double kDpi = 150;
 constexpr double kMaxRasterPixels = 40e6;
 constexpr double kMetresPerPoint = kMetresPerInch / 72;
 
-// A name that poppler's programs cannot take for an option.
+// A name that poppler's programs cannot mistake for an option.
 std::string argument_of(const std::filesystem::path& path) {
   const std::string name = path.string();
   return name.starts_with('-') ? "./" + name : name;
@@ -168,7 +168,7 @@ Result<ProcessOutput> run_poppler(const std::filesystem::path& path,
               ": is no PDF that can be drawn: " + (reason.empty() ? argv[0] + " failed" : reason));
 }
 
-// The first error that poppler reports; its warnings are of what hurts nobody.
+// The first error that poppler reports; its warnings do not affect the result.
 std::string first_error(const std::string& messages) {
   for (const std::string& line : split(messages, '\n')) {
     if (line.find("Error") != std::string::npos) return std::string(trim(line));
@@ -185,7 +185,7 @@ bool has_extension(const std::filesystem::path& path, std::string_view wanted) {
   return lower_case(path.extension().string()) == wanted;
 }
 
-// What rsvg-convert says, without the file's name once more.
+// The message of rsvg-convert, without the second copy of the file's name.
 std::string svg_problem(const std::string& error, const std::string& path) {
   const std::string words = first_line(error);
   const std::size_t at = words.find(path + ": ");
@@ -206,8 +206,8 @@ bool is_in_pixels(const std::filesystem::path& path) {
   return !std::regex_search(root.str(), kPhysical);
 }
 
-// A drawn pixel has the share of it that is paper, which is the light that it reflects: made the
-// sample that a camera would store of that light, as the reader takes it.
+// A drawn pixel has the share of it that is paper, which is the light that it reflects: converted
+// to the sample that a camera would store for that light, as the reader expects.
 GrayImage as_photographed(GrayImage drawn) {
   std::array<std::uint8_t, 256> stored{};
   for (std::size_t i = 0; i < stored.size(); ++i) {
@@ -218,11 +218,11 @@ GrayImage as_photographed(GrayImage drawn) {
   return drawn;
 }
 
-// A page, or the part of it that `part` asks for, at so many dots per inch.
+// A page, or the part of it that `part` selects, at so many dots per inch.
 Result<PageImage> draw_page(const std::filesystem::path& path, int number, const std::string& dpi,
                             const std::vector<std::string>& part, const PrinterScale& scale) {
   const std::string page = std::to_string(number);
-  // What is printed is the crop box, where a file has one.
+  // The crop box is what is printed, where a file has one.
   std::vector<std::string> argv{"pdftoppm", "-gray", "-cropbox", "-f", page, "-l", page};
   if (scale.is_true()) {
     argv.insert(argv.end(), {"-r", dpi});
@@ -248,7 +248,7 @@ bool is_svg(const std::filesystem::path& path) { return has_extension(path, ".sv
 bool is_called_pdf(const std::filesystem::path& path) { return has_extension(path, ".pdf"); }
 
 bool is_pdf(std::string_view bytes) {
-  constexpr std::size_t kFarthest = 1024;  // readers pass over what stands before it
+  constexpr std::size_t kFarthest = 1024;  // readers ignore what stands before it
   return bytes.substr(0, kFarthest).find("%PDF-") != std::string_view::npos;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Print files as grey images: PDF by the programs pdfinfo and pdftoppm of poppler-utils, SVG by
-// rsvg-convert of librsvg2-bin, which run as processes of their own.
+// rsvg-convert of librsvg2-bin, which run as separate processes.
 #pragma once
 
 #include <chrono>
@@ -46,7 +46,7 @@ struct PageSize {
 struct PageImage {  // upright, as displayed
   GrayImage image;
   double metres_per_pixel = 0;
-  std::string error{};  // of a PDF that was drawn all the same: what poppler says; empty = nothing
+  std::string error{};  // of a PDF that was drawn nevertheless: poppler's error; empty = none
 };
 
 // True when the file is called .pdf, in any case of letters.
@@ -58,13 +58,13 @@ bool is_pdf(std::string_view bytes);
 // True when the file is called .svg, in any case of letters.
 bool is_svg(const std::filesystem::path& path);
 
-// What a print file of one tag says of itself, as `print` writes it into PDF and SVG.
+// What a print file of one tag states about itself, as `print` writes it into PDF and SVG.
 struct StatedTag {
   std::string name;
   std::string digits;  // twelve
 };
 
-// Of a PDF or SVG; nothing where it says nothing, or is of several tags.
+// From a PDF or SVG; nothing where it states nothing, or holds several tags.
 std::optional<StatedTag> stated_tag(const std::filesystem::path& path, std::string_view bytes);
 
 // The pages' sizes. Fails when poppler-utils is not installed, the file is no readable PDF, or has
@@ -86,17 +86,18 @@ struct PixelRegion {
 };
 
 // That part of any print file: page `number` of a PDF, or an SVG or a picture (number 0), which is
-// taken to have so many dots per inch; the scale is a PDF's alone. Fails when the region is not
-// wholly in it.
+// assumed to have so many dots per inch; the scale applies to PDFs only. Fails when the region is
+// not wholly in it.
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
                                  double dots_per_inch, const PixelRegion& region,
                                  const PrinterScale& scale = {});
 
-// Lays the piece over the image, its upper left corner at pixel (x, y); what sticks out is lost.
+// Copies the piece over the image, its upper left corner at pixel (x, y); what lies outside is
+// dropped.
 void paste(const GrayImage& piece, GrayImage& image, int x, int y);
 
-// A whole SVG; 150 dpi serve for reading. Fails when rsvg-convert is not installed, the file is no
-// SVG, or the picture would have more than 200 million pixels.
+// A whole SVG; 150 dpi are enough for reading. Fails when rsvg-convert is not installed, the file
+// is no SVG, or the picture would have more than 200 million pixels.
 Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_per_inch = 150);
 
 }  // namespace tagsmith::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `verify` says of one file. It is a line of `verify --json` (docs/formats.md), and what
+// The result of `verify` for one file. It is a line of `verify --json` (docs/formats.md), and what
 // --resume and `report` read back.
 #pragma once
 
@@ -20,9 +20,9 @@
 
 namespace tagsmith::detail {
 
-// A fault is all but `ok` and `cut_off`; what should be known and is no fault is a note of the
-// file. Tags `ok` and `misplaced` also tell where they hang (hanging_check.hpp), so that all photos
-// together may clear what one photo found `misplaced`.
+// Every status except `ok` and `cut_off` is a fault; what should be known and is no fault is a note
+// of the file. Tags `ok` and `misplaced` also show where they hang (hanging_check.hpp), so that all
+// photos together may clear what one photo found `misplaced`.
 enum class TagStatus {
   ok,          // the survey has this tag
   unknown,     // a good reading of a code that the survey does not have
@@ -37,21 +37,21 @@ inline constexpr std::size_t kTagStatuses = 8;
 
 std::string to_string(TagStatus status);
 
-// What tells which way is up in a file's pictures: whether its tags were checked for standing on
-// their head.
+// How the up of a file's pictures is known: whether its tags could be checked for hanging upside
+// down.
 enum class UpSource {
   unknown,  // nothing
   page,     // a print file's pages
   rig,      // a photo by a camera of a rig that stands on its wheels
   camera,   // the camera noted how it was held (EXIF)
-  doubted,  // so it did, but all tags of the photo stand on their head by that
+  doubted,  // the same, but all tags of the photo are upside down by that
 };
 
 inline constexpr std::size_t kUpSources = 5;
 
 std::string to_string(UpSource source);
 
-// True when a tag on its head would have been told.
+// True when a tag that is upside down would have been detected.
 inline bool tells_up(UpSource source) {
   return source != UpSource::unknown && source != UpSource::doubted;
 }
@@ -66,10 +66,11 @@ struct Finding {
   bool is_fault() const { return status != TagStatus::ok && status != TagStatus::cut_off; }
 };
 
-// What shows a fault to people: a tag and its surroundings, or a photo or page without any tag.
+// The picture of a fault, for people: a tag and its surroundings, or a photo or page without any
+// tag.
 struct FaultPicture {
   std::optional<GrayImage> image{};  // until it is saved
-  std::string jpeg{};                // small, for a report; empty = not at hand
+  std::string jpeg{};                // small, for a report; empty = not available
   std::string file{};                // where it was saved; empty = nowhere
 };
 
@@ -112,8 +113,8 @@ struct VerifiedFile {
   FaultPicture picture{};            // of a file without a tag
 
   bool is_photo() const { return width > 0; }
-  // A photo in which nothing is wrong but that it shows no whole tag: of a set whose other photos
-  // show tags it is a picture of the wall, of a set without any it is a finding.
+  // A photo in which nothing is wrong except that it shows no whole tag: in a set whose other
+  // photos show tags it is a picture of the wall, in a set without any it is a finding.
   bool only_lacks_tags() const;
   void add_finding(std::string_view rule, std::string words);
 };
@@ -124,7 +125,7 @@ std::string in_words(const VerifiedTag& tag);
 // The same without the status; empty when nothing is wrong.
 std::string message_of(const VerifiedTag& tag);
 
-// All that is wrong, in words: with the file, then with each tag. Empty = all is well.
+// All that is wrong, in words: with the file, then with each tag. Empty = nothing is wrong.
 std::vector<std::string> findings_of(const VerifiedFile& file);
 
 // The rules of all findings.

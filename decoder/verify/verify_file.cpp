@@ -97,7 +97,7 @@ Result<InputFile> read_input_file(const std::filesystem::path& path) {
   return InputFile{path, std::move(*bytes), std::move(hash)};
 }
 
-// ---- Plates that were printed in pieces, put together again as the assembly sheet says.
+// ---- Plates that were printed in pieces, assembled as the assembly sheet says.
 
 namespace {
 
@@ -120,7 +120,7 @@ Result<PageImage> assemble_tiles(const TilePlan& plan, const std::vector<TilePag
   constexpr double kMaxPixels = 40e6;
   const double width = (plan.columns - 1) * plan.step_right + plan.window.width;
   const double height = (plan.rows - 1) * plan.step_down + plan.window.height;
-  // Pictures come as they are; pages of documents are drawn as asked for.
+  // Pictures are used as they are; pages of documents are drawn at the requested resolution.
   const bool scalable = pages.front().number > 0 || is_svg(pages.front().file);
   const double least = std::sqrt(kMaxPixels / (width * height)) * kMetresPerInch;
   const double dpi = scalable ? std::min(dots_per_inch, least) : dots_per_inch;
@@ -159,7 +159,7 @@ struct Task {
   int dots_per_inch() const { return manifest == nullptr ? 0 : manifest->dots_per_inch; }
 };
 
-// `page` begins the words.
+// `page` begins the text.
 void find_no_tag(const VerifyRequest& request, VerifiedFile& file, const GrayView& image,
                  const std::string& page = "") {
   const std::optional<Diagnosis> light = diagnose_picture(image);
@@ -178,7 +178,7 @@ void find_no_tag(const VerifyRequest& request, VerifiedFile& file, const GrayVie
   file.picture.image = small_picture(image, file.orientation.value_or(1));
 }
 
-// Of a tag that reads although it is dirty: where. A grade alone may be the photo's.
+// For a tag that reads although it is dirty: where. A grade alone may be caused by the photo.
 void note_dirt(const PictureEvidence& evidence, const VerifiedTag& tag, VerifiedFile& file) {
   constexpr double kClean = 3.5;
   if (!tag.grade || tag.grade->grade >= kClean) return;
@@ -190,7 +190,7 @@ void note_dirt(const PictureEvidence& evidence, const VerifiedTag& tag, Verified
       fmt::format("{} reads, but {}: clean the plate, or replace it", tag.tag, cover->words));
 }
 
-// What is judged in the picture's place where the plates are white on black.
+// The picture that is judged instead where the plates are white on black.
 std::optional<GrayImage> negative_for(const Survey& survey, const GrayImage& image) {
   if (!survey.tag_template.white_on_black) return std::nullopt;
   return exchange_black_and_white(image.view());
@@ -212,7 +212,7 @@ bool judge(const VerifyRequest& request, PictureEvidence& evidence, VerifiedFile
   return !tags.empty();
 }
 
-// `page`: 0 of what has none; `name` begins what is said of a page without a tag.
+// `page`: 0 for a file without pages; `name` begins the message on a page without a tag.
 void judge_page(const Task& task, const PageImage& page, int number, const std::string& name,
                 VerifiedFile& file) {
   const std::optional<GrayImage> negative = negative_for(task.request.survey, page.image);
@@ -253,8 +253,8 @@ std::string moment_of(const Task& task) {
   return origin && origin->time ? unix_moment(*origin->time).value_or("") : "";
 }
 
-// Which way is up in a photo. A rig on its wheels knows better than the camera, and is asked when
-// all photos are read.
+// Which way is up in a photo. A rig on its wheels determines it better than the camera, and is used
+// when all photos have been read.
 void find_up(const VerifyRequest& request, PictureEvidence& evidence, VerifiedFile& file) {
   const bool of_rig = evidence.camera != nullptr && stands_level(*request.rig);
   file.up = evidence.up = of_rig ? UpSource::rig : up_of_photo(evidence);
@@ -383,8 +383,8 @@ Result<VerifiedFile> verify_tiled_pdf(const Task& task) {
   return file;
 }
 
-// Tiles as SVG or PNG, a file each, NAME-A1.svg the first: with that one the plate is checked.
-// Nothing for the other files, which go with it.
+// Tiles as SVG or PNG, a file each, the first named NAME-A1.svg: with that one the plate is
+// checked. Nothing for the other files, which belong to it.
 Result<std::optional<VerifiedFile>> verify_tile_files(const Task& task) {
   const TilePlan& plan = *task.manifest->tiles;
   const std::filesystem::path& path = task.input.path;
@@ -432,8 +432,8 @@ Result<VerifiedFile> read_and_check(const Task& task) {
   return verify_photo(task);
 }
 
-// What the file shows of the tags that the manifest says it holds; nothing when it is no file to
-// read: a document, a tile that another file stands for, or tiles of unknown places.
+// What the file shows of the tags that it holds according to the manifest; nothing when it is no
+// file to read: a document, a tile that is checked with another file, or tiles of unknown places.
 Result<std::optional<VerifiedFile>> read_printed(const Task& task, ManifestEntry entry) {
   const bool is_tiles = entry == ManifestEntry::tiles && task.manifest->tiles;
   if (is_tiles && !is_pdf(task.input.bytes)) return verify_tile_files(task);
@@ -449,8 +449,8 @@ Result<std::shared_ptr<const PrintManifest>> manifest_beside(const VerifyRequest
   return request.manifests != nullptr ? request.manifests->find(path) : ManifestCache().find(path);
 }
 
-// A file that `print` wrote. One of plates that are drawn otherwise by now is not read: it would be
-// searched for the present ones.
+// A file that `print` wrote. One with plates of another drawing is not read: it would be searched
+// for the present ones.
 Result<VerifiedFile> verify_printed(const Task& task, ManifestEntry entry) {
   const bool is_old = !task.expected.empty() && task.manifest->survey == task.request.survey.name &&
                       !printed_otherwise(*task.manifest, task.request.survey.tag_template).empty();
@@ -473,7 +473,7 @@ void find_stale_by_itself(const Task& task, VerifiedFile& file) {
   find_stale({stated->name, *digits, {}}, task.request.survey, file);
 }
 
-// What a photo's result depends on of its camera: the lens, and which way is up; empty when it is
+// On what a photo's result depends of its camera: the lens, and which way is up; empty when it is
 // not known which camera took the photo.
 std::string camera_conditions(const VerifyRequest& request, const std::filesystem::path& path) {
   const RigCamera* taken = rig_camera_of(request, path);

@@ -23,7 +23,8 @@ namespace tagsmith::detail {
 
 // ---- Print quality of the tags that were found in order.
 
-// What the template's reference patches are taken to reflect: plain white film and solid ink.
+// The reflectances that are assumed for the template's reference patches: plain white film, solid
+// ink.
 inline constexpr double kWhitePatchReflectance = 0.85;
 inline constexpr double kBlackPatchReflectance = 0.04;
 
@@ -65,9 +66,9 @@ struct VerifyRequest {
 
 // What the file's result depends on besides its content and the survey: resolution of a scan, its
 // name and the manifest beside it, the other surveys, the lens of its camera and which way is up in
-// its photos. A result that was found under other
-// conditions does not stand for the file. (Where tags hang, by a rig, is judged of all files anew.)
-// Empty = nothing of these; fails as find_manifest does.
+// its photos. A result that was found under other conditions cannot be used for the file. (Where
+// tags hang, by a rig, is judged from all files again.) Empty = nothing of these; fails as
+// find_manifest does.
 Result<std::string> conditions_of(const VerifyRequest& request, const std::filesystem::path& path);
 
 // Reads the file and checks its tags. In print files (PDF, SVG, and PNG that the manifest beside it

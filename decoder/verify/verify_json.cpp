@@ -89,7 +89,7 @@ Json to_json(const FrameCorners& corners) {
   });
 }
 
-// The lower half, row by row. The digits leave what a fit needs of it.
+// The lower half, row by row, with as many digits as a fit needs.
 Json to_json(const CornerCovariance& covariance) {
   Json list = Json::array();
   for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
@@ -226,7 +226,7 @@ Json notes_json(const VerifyMerge& merged) {
   return notes;
 }
 
-// --- reading; what is of another type than to_json writes throws ---
+// --- reading; a value of another type than to_json writes throws ---
 
 // The default where the key is absent or null.
 template <class Value>
@@ -239,7 +239,7 @@ Value get_or(const json& object, const char* key, Value absent = {}) {
   return value->get<Value>();
 }
 
-// The value of an enum that is called so.
+// The value of an enum that has this name.
 template <class Enum>
 Enum value_of(std::size_t count, const std::string& name, Enum otherwise) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -264,7 +264,7 @@ FrameCorners corners_from(const json& list) {
   return corners;
 }
 
-// Zero where what is there is no covariance.
+// Zero where the value is no covariance.
 CornerCovariance covariance_from(const json& list) {
   CornerCovariance covariance = CornerCovariance::Zero();
   std::size_t at = 0;
@@ -316,7 +316,7 @@ VerifiedTag tag_from(const json& object) {
   tag.status = value_of(kTagStatuses, object.at("status").get<std::string>(), TagStatus::unknown);
   tag.rule = get_or<std::string>(object, "rule");
   tag.message = get_or<std::string>(object, "message");
-  // A line without corners is of an older version, and of no use as a reading.
+  // A line without corners is of an older version, and cannot be used as a reading.
   if (object.contains("corners")) {
     tag.corners = corners_from(object["corners"]);
     tag.digits = parse_digits(get_or<std::string>(object, "digits"));
@@ -340,7 +340,7 @@ int size_from(const json& object, const char* key) {
   return static_cast<int>(std::min(kMost, get_or<std::uint64_t>(object, key)));
 }
 
-// Nothing of an object that no photo could say.
+// Nothing for an object that no photo could have given.
 std::optional<PhotoLens> lens_from(const json& object) {
   PhotoLens lens{get_or<std::string>(object, "name"), get_or(object, "focal_mm", 0.0),
                  get_or(object, "focal_35_mm", 0.0)};
@@ -368,7 +368,7 @@ VerifiedFile file_from(const json& object) {
   file.findings = get_or<std::vector<std::string>>(object, "findings");
   file.rules = get_or<std::set<std::string>>(object, "rules");
   file.mixed = get_or<std::vector<std::string>>(object, "mixed");
-  // What remains is of the file as a whole.
+  // The rest concerns the file as a whole.
   for (const VerifiedTag& tag : file.tags) {
     if (!tag.is_fault()) continue;
     const auto of_tag = [&](const std::string& words) { return words.ends_with(in_words(tag)); };

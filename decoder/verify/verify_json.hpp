@@ -39,8 +39,8 @@ struct VerifyLineCounts {
   std::size_t broken = 0;  // lines that are no JSON of verify, such as one cut short by a crash
 };
 
-// Calls `take` with every file's line in turn; summaries and empty lines are passed over. One line
-// at a time is in memory. Fails when the file cannot be read or has a line of more than 64 MiB.
+// Calls `take` with every file's line in turn; summaries and empty lines are skipped. One line at a
+// time is in memory. Fails when the file cannot be read or has a line of more than 64 MiB.
 Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
                                            const std::function<void(VerifiedFile)>& take);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many verified files as one answer, tag by tag.
+// The results of many verified files combined, tag by tag.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct TagRecord {
   std::size_t faults = 0;
   std::size_t doubts = 0;      // of these, times it or another hangs wrong, or the camera did
   std::size_t photos = 0;      // of these, times in a photo
-  std::size_t upright = 0;     // and of these, times that one on its head would have been told
+  std::size_t upright = 0;     // and of these, times that one upside down would have been detected
   std::size_t placed = 0;      // times it was judged for where it hangs
   std::optional<double> best;  // grades
   std::optional<double> worst;
@@ -35,10 +35,10 @@ struct FaultRecord {
   std::string rule;
   std::string message;
   FaultPicture picture{};
-  std::string no_picture{};  // why it is not at hand
+  std::string no_picture{};  // why it is not available
   bool is_question = false;  // whether it is a fault depends on an up that is in doubt
   bool shows_whole = false;  // its picture is that of a whole photo or page
-  // Of a photo, where in it the fault is: a picture can be had from there.
+  // For a photo, where in it the fault is: a picture can be cut out from there.
   std::string sha256{};
   int orientation = 1;
   std::optional<FrameCorners> corners{};
@@ -51,8 +51,8 @@ struct NoteRecord {
   std::string note;
 };
 
-// By the up that cameras noted in their photos (EXIF): tags that stand, and those on their head in
-// photos in which none stands.
+// By the up that cameras noted in their photos (EXIF): upright tags, and upside-down ones in photos
+// without an upright one.
 struct NotedUp {
   std::size_t upright = 0;
   std::size_t on_head = 0;
@@ -65,7 +65,7 @@ inline constexpr std::size_t kMostListedFaults = 20'000;
 inline constexpr std::size_t kMostListedNotes = 1'000;
 
 // Bytes of the faults' pictures that a report holds; and of those of whole photos and pages, so
-// that many photos without a tag leave room for the pictures of tags.
+// that many photos without a tag leave space for the pictures of tags.
 inline constexpr std::size_t kMostPictureBytes = 12U << 20U;
 inline constexpr std::size_t kMostWholeBytes = 4U << 20U;
 
@@ -98,13 +98,13 @@ struct VerifyMerge {
 // Adds what was found in one file, verified against the survey of this revision.
 void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged);
 
-// The survey's tags that no file shows in order, a doubt apart.
+// The survey's tags that no file shows in order, apart from doubts.
 std::vector<std::string> missing_tags(const Survey& survey, const VerifyMerge& merged);
 
-// Whether the report holds a picture more of such a fault, of so many bytes.
+// Whether the report has space for one more picture of such a fault, of so many bytes.
 bool has_room(const VerifyMerge& merged, const FaultRecord& fault, std::size_t bytes);
 
-// Gives the fault its picture if there is room for it; else the fault says that there is none.
+// Gives the fault its picture if there is space for it; else the fault says that there is none.
 void take_picture(std::string jpeg, FaultRecord& fault, VerifyMerge& merged);
 
 // When all files are merged: photos without a tag are faults where no photo shows any, else notes
@@ -117,8 +117,8 @@ void finish(VerifyMerge& merged);
 std::string without_tag_in_words(const VerifyMerge& merged);
 
 // The listed faults, one a plate and rule: what several photos show of one plate, or of one code
-// that the survey does not have, is one fault with the picture that is at hand, whose `file` names
-// all photos and whose message is the first.
+// that the survey does not have, is one fault with the picture that is available, whose `file`
+// names all photos and whose message is the first.
 std::vector<FaultRecord> faults_by_plate(const VerifyMerge& merged);
 
 TagRecord record_of(const VerifyMerge& merged, const std::string& tag);
@@ -126,16 +126,16 @@ TagRecord record_of(const VerifyMerge& merged, const std::string& tag);
 // "unseen", "faulty", "poor" (worst grade below 1.5) or "ok".
 std::string status_of(const TagRecord& record);
 
-// Whether a tag was seen in a photo in which one on its head would have been told: "checked",
-// "unchecked", or nothing for a tag that was never in order in a photo.
+// Whether a tag was seen in a photo in which an upside-down one would have been detected:
+// "checked", "unchecked", or nothing for a tag that was never in order in a photo.
 std::string upright_of(const TagRecord& record);
 
 // Whether a tag that was seen in photos was judged for where it hangs: "checked", "unchecked", or
 // nothing for a tag that was not.
 std::string placement_of(const TagRecord& record);
 
-// What all files together say of the cameras' notes on their up, when some photo doubts it; else
-// nothing.
+// What all files together say of the cameras' notes on their up, when some photo doubts it;
+// otherwise nothing.
 std::string noted_up_in_words(const NotedUp& noted);
 
 // A run of neighbouring tags of one wall that no file shows.
@@ -160,7 +160,7 @@ struct Completeness {
   std::size_t placement_checked = 0;             // judged for where they hang
   std::vector<std::string> placement_unchecked;  // seen in order in a photo and not judged
   std::vector<UnseenStretch> unseen;             // along the drive, the left wall first
-  std::string another_drive;                     // that all codes are of others, in words, or empty
+  std::string another_drive;                     // why it is another drive's, in words, or empty
 
   double share() const {
     return tags == 0 ? 1 : static_cast<double>(seen) / static_cast<double>(tags);
@@ -172,7 +172,7 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged);
 // Whether tags in photos were judged for where they hang: "checked", "partly" or "not_checked".
 std::string placement_checked(const Completeness& covered);
 
-// What to know before all else, in words: that the photos are of another drive; and what was not
+// What must be known first, in words: that the photos are of another drive; and what was not
 // checked: where tags hang, and whether they hang upside down.
 std::vector<std::string> unchecked_words(const Completeness& covered, const VerifyMerge& merged);
 

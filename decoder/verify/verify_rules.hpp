@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `verify` can find wrong, and what who hangs, prints or photographs the plates does about it:
-// docs/verify-rules.md.
+// What `verify` can find wrong, and what the people who hang, print or photograph the plates do
+// about it: docs/verify-rules.md.
 #pragma once
 
 #include <span>
