@@ -48,7 +48,7 @@
 
 namespace tagsmith::detail {
 
-// ---- What the command works on: the survey, the rig, control tags, and every sighting of a tag.
+// ---- The input of the command: the survey, the rig, control tags, and every sighting of a tag.
 
 namespace {
 
@@ -121,7 +121,7 @@ Result<std::vector<VerifiedFile>> verify_photos(const AdjustInput& input, int jo
   return files;
 }
 
-// How many files of what the lines say are photos, and how many of these of another survey.
+// How many files named in the lines are photos, and how many of these belong to another survey.
 struct Told {
   std::size_t photos = 0;
   std::size_t others = 0;
@@ -152,7 +152,7 @@ Result<Told> read_lines(const AdjustInput& input,
   return told;
 }
 
-// Fails, before any photo is read, on what cannot be used or written.
+// Fails, before any photo is read, on input that cannot be used and output that cannot be written.
 Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
   if (!options.date.empty() && !parse_day(options.date)) {
     return fail("--date " + options.date + ": expected a day as 2026-03-31");
@@ -194,8 +194,8 @@ Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
   return input;
 }
 
-// Every sighting of a tag of the survey, by the photos and by the lines. What was left out is told
-// on standard error.
+// Every sighting of a tag of the survey, from the photos and from the lines. What was left out is
+// reported on standard error.
 Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs) {
   const Result<std::vector<VerifiedFile>> photos = verify_photos(input, jobs);
   if (!photos) return fail(photos.error().message);
@@ -254,7 +254,7 @@ double magnification(const Survey& survey, const AsBuiltSurvey& found) {
   return magnification_for(survey.tunnel, std::move(sizes));
 }
 
-// On the tunnel's side of the wall: the tag's name is on the other.
+// On the tunnel's side of the wall: the tag's name is on the other side.
 void add_height(SketchLayer& layer, const Vector2d& at, Side wall, const AsBuiltTag& tag) {
   const bool is_above = wall == Side::left;  // the drive runs to the right
   layer.add(Words{.text = fmt::format("{:+.1f}", std::round(1e4 * tag.shift.z()) / 10 + 0.0),
@@ -348,7 +348,7 @@ file could not be read.)";
 
 // --- what is printed ---
 
-// World axes become the grid's.
+// Converts world axes to the grid's.
 Matrix3d in_grid(const Grid& grid, const Matrix3d& covariance) {
   Matrix3d axes;
   for (Eigen::Index i = 0; i < 3; ++i) {
@@ -358,7 +358,7 @@ Matrix3d in_grid(const Grid& grid, const Matrix3d& covariance) {
   return axes * covariance * axes.transpose();
 }
 
-// To the micrometre; what rounds to zero has no sign.
+// To the micrometre; a value that rounds to zero has no sign.
 Vector3d p_in_grid(const Survey& survey, const AsBuiltTag& tag) {
   const Vector3d p = grid_from_world(survey.grid, tag.world_from_plate.translation);
   return p.unaryExpr([](double value) { return std::round(1e6 * value) / 1e6 + 0.0; });
@@ -369,7 +369,7 @@ Vector3d sigma_in_grid(const Survey& survey, const AsBuiltTag& tag) {
   return in_grid(survey.grid, covariance).diagonal().cwiseMax(0).cwiseSqrt();
 }
 
-// Of a coordinate of P, whichever.
+// The sigma of a coordinate of P, the mean of all three.
 double mean_sigma(const AsBuiltTag& tag) {
   return std::sqrt(std::max(0.0, tag.covariance.topLeftCorner<3, 3>().trace()) / 3);
 }
@@ -436,7 +436,7 @@ Json tag_json(const Survey& survey, const AsBuiltTag& tag) {
   return line;
 }
 
-// What is infinite is null.
+// An infinite value is null.
 Json group_json(const ControlGroup& group) {
   const bool is_checked = std::isfinite(group.unnoticed);
   return {{"tags", group.tags},
@@ -471,7 +471,7 @@ std::string today() {
   return fmt::format("{:%Y-%m-%d}", fmt::localtime(now));
 }
 
-// The survey's text with the places found.
+// The survey's text with the places that were determined.
 Result<std::string> as_built_text(const AdjustOptions& options, const std::string& text,
                                   const Survey& survey, const AsBuiltSurvey& found) {
   std::vector<AsBuiltPlace> places;
@@ -518,10 +518,10 @@ Result<void> write_drawing(const AdjustOptions& options, const Survey& survey,
   return {};
 }
 
-// Why the places must not be relied on; nothing where they may.
+// Why the places must not be used; nothing where they may.
 std::optional<std::string> reason_not_to_write(const AsBuiltSurvey& found,
                                                const std::vector<std::string>& control) {
-  constexpr std::size_t kMostLeftOut = 10;  // one in so many sightings: more are no chance
+  constexpr std::size_t kMostLeftOut = 10;  // one in so many sightings: more are no coincidence
   if (count_of(found, AsBuiltStatus::contradicted) > 0) {
     return "survey the contradicted control tags again, or leave them out of the control tags";
   }
@@ -558,7 +558,7 @@ std::optional<std::string> doubt_of_single_control(const AdjustInput& input,
       control->tag, 1e3 * moved->shift.norm());
 }
 
-// Says of which control tags a mistake, if several one that they share, would go unnoticed.
+// Reports the control tags of which a mistake, alone or shared by several, would not be noticed.
 void warn_of_unchecked(const std::vector<ControlGroup>& groups) {
   constexpr double kLarge = 0.02;  // metres: ten times what control tags are usually surveyed to
   for (const ControlGroup& group : groups) {

@@ -50,7 +50,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What measures is not known to more digits; null where it is not finite.
+// The measurement is not known to more digits; null where it is not finite.
 Json measured(double value) {
   constexpr int kDigits = 6;
   if (!std::isfinite(value)) return nullptr;
@@ -246,7 +246,7 @@ struct BoardCalibrationOptions {
   std::string format = "opencv";  // of the output
   std::string html;
   std::string drawing;
-  std::string rig;     // takes the camera over; empty = none
+  std::string rig;     // the rig that the camera is entered in; empty = none
   std::string camera;  // empty = "camera"
   bool json = false;
   int jobs = 0;
@@ -265,7 +265,7 @@ CalibrationFormat format_of(const BoardCalibrationOptions& options) {
 
 // --- before the work ---
 
-// Names of cameras as rigs have them; other programs' files hold them without quotes.
+// Names of cameras as rigs allow them; other programs' files hold them without quotes.
 Result<void> check_name(const std::string& name) {
   const auto is_part = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; };
   const bool begins = std::isalpha(static_cast<unsigned char>(name.front())) != 0;
@@ -296,7 +296,7 @@ Result<void> check_files(const BoardCalibrationOptions& options,
   return files.check();
 }
 
-// How the rig names the camera's file: from its own folder.
+// The path of the camera's file in the rig: relative to the rig's folder.
 CalibratedIntrinsics intrinsics_of(const BoardCalibrationOptions& options,
                                    const IntrinsicsSigma& sigma) {
   const fs::path folder = fs::path(options.rig).parent_path();
@@ -306,7 +306,7 @@ CalibratedIntrinsics intrinsics_of(const BoardCalibrationOptions& options,
           sigma.center};
 }
 
-// A rig without the camera is told of before the photos are read.
+// A rig without the camera is reported before the photos are read.
 Result<void> check_rig(const BoardCalibrationOptions& options) {
   if (options.rig.empty()) return {};
   const Result<std::string> text = read_file(options.rig);
@@ -334,7 +334,7 @@ Result<void> check_options(const BoardCalibrationOptions& options) {
 
 // --- photos ---
 
-// Loads photos and keeps what went wrong; several threads call it at once.
+// Loads photos and keeps the errors; several threads call it at once.
 class Loader {
  public:
   explicit Loader(std::vector<fs::path> files) : files_(std::move(files)) {}
@@ -373,7 +373,7 @@ class Loader {
   std::set<std::pair<int, int>> sizes_;
 };
 
-// Why photos that can be read make no camera.
+// Why photos that can be read give no camera.
 struct NoCamera {
   std::string reason;
 };
@@ -424,7 +424,7 @@ CalibrationNotes notes_of(const BoardCalibration& result) {
   return notes;
 }
 
-// Errors that a change brought. Other cameras of a rig may lack their calibrations yet.
+// Errors that a change caused. Other cameras of a rig may not have their calibrations yet.
 std::vector<Diagnostic> added_errors(const std::vector<Diagnostic>& now,
                                      const std::vector<Diagnostic>& before) {
   std::vector<Diagnostic> added;
@@ -435,8 +435,8 @@ std::vector<Diagnostic> added_errors(const std::vector<Diagnostic>& now,
   return added;
 }
 
-// The rig's new text. It must have no error that it had not, with the camera's file, which is not
-// in its place yet: it is checked with the file where it waits.
+// The rig's new text. It must not have errors that it did not have before, with the camera's file,
+// which is not in its place yet: it is checked with the staged file.
 Result<std::string> rig_text(const BoardCalibrationOptions& options, const BoardCalibration& result,
                              const std::string& camera_file) {
   Result<std::string> text = read_file(options.rig);
@@ -466,7 +466,7 @@ Result<std::string> rig_text(const BoardCalibrationOptions& options, const Board
   return rig_with_calibration(*text, options.camera, intrinsics);
 }
 
-// The camera's file and the rig that takes it; none of a camera that is refused.
+// The camera's file and the rig that uses it; none for a camera that is refused.
 Result<std::vector<SheetFile>> camera_files(const BoardCalibrationOptions& options,
                                             const BoardCalibration& result) {
   std::vector<SheetFile> files;
@@ -578,7 +578,8 @@ Result<int> report(const BoardCalibrationOptions& options, const BoardCalibratio
   return trust == CalibrationTrust::good ? kExitOk : kExitFindings;
 }
 
-// Reads, fits, prints and writes; the exit code. Fails on wrong use and on what cannot be read.
+// Reads, fits, prints and writes; the exit code. Fails on wrong use and on input that cannot be
+// read.
 Result<int> calibrate_by_boards(const BoardCalibrationOptions& options) {
   if (auto right = check_options(options); !right) return fail(right.error().message);
   Result<std::vector<Board>> boards = load_boards(options);
@@ -611,7 +612,7 @@ Example:
 Exit: 0 the calibration is good, 1 it is weak, or refused and nothing is written for the rig, 2 wrong use or a file that cannot be read.)";
 
 struct CalibrateOptions {
-  BoardCalibrationOptions board;  // with the options that both kinds have
+  BoardCalibrationOptions board;  // with the options that both kinds share
   std::string survey;
   std::string run;
 };

@@ -69,7 +69,7 @@ void add_frame(SketchLayer& layer, const ImageFrame& frame) {
   layer.add(outline(frame.share(0, 0), frame.share(1, 1), {colours::kBlack, kNarrow, {}}));
 }
 
-// Of so many things every n-th is shown.
+// Of so many items every n-th is shown.
 std::size_t stride_for(std::size_t count, std::size_t most) { return 1 + count / most; }
 
 // --- coverage ---
@@ -80,7 +80,7 @@ struct SigmaClass {
   std::string words;
 };
 
-// The steps of a ray's sigma that are told apart; what is above the last one is refused.
+// The colour steps of a ray's sigma; a value above the last one is refused.
 std::vector<SigmaClass> sigma_classes(const Camera& camera) {
   const CalibrationLimits limits;
   const double refused = std::max(2 * limits.weak_ray_px, limits.refused_ray * camera.width);
@@ -102,7 +102,7 @@ Colour colour_of(const std::vector<SigmaClass>& classes, std::optional<double> s
   return classes.back().colour;
 }
 
-// Fine cells, each by the ray at its middle; nothing where the lens shows none.
+// Fine cells, each coloured by the ray at its middle; nothing where the lens shows none.
 void add_sigma_map(SketchLayer& layer, const ImageFrame& frame,
                    const CameraCalibration& calibration, const std::vector<SigmaClass>& classes) {
   constexpr int kColumns = 32;
@@ -332,7 +332,7 @@ void add_displacement(Sketch& sketch, Chart chart, const DistortionCurve& curve,
       chart.corner + Vector2d(0, chart.size.y() + 0.0015)));
 }
 
-// The range of what corners support; beyond them it may leave the chart.
+// The range of values that corners support; outside these the curve may leave the chart.
 std::vector<double> supported_values(const DistortionCurve& curve) {
   constexpr double kBeyond = 4;  // times as much is still shown where no corner was seen
   double within = 1e-3, all = 1e-3;
@@ -385,7 +385,7 @@ DrawingView distortion_view(const BoardCalibration& result) {
   return view;
 }
 
-// --- words ---
+// --- texts ---
 
 DrawingView summary_view(const BoardCalibration& result) {
   constexpr double kWidth = 0.17;
@@ -466,7 +466,7 @@ std::string findings_text(const BoardCalibration& result) {
   return text;
 }
 
-// As an image of its own: the names inside of several SVGs cannot meet.
+// As a separate image: so the names inside of several SVGs cannot collide.
 std::string pictures(const BoardCalibration& result) {
   std::string text;
   for (const DrawingView& view : calibration_views(result)) {

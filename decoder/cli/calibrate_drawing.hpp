@@ -14,13 +14,13 @@ namespace tagsmith::detail {
 
 // The three pictures, in paper's size: the image with its ray sigmas and the corners seen; the
 // residuals as arrows; the distortion along the radius, and below it, magnified, its standard
-// deviation and what the runner-up has differently.
+// deviation and how the runner-up differs.
 std::vector<DrawingView> calibration_views(const BoardCalibration& result);
 
-// These and what was found in words, on one sheet. Fails as lay_out_sheets does.
+// These and the results in words, on one sheet. Fails as lay_out_sheets does.
 Result<std::vector<Sheet>> draw_calibration(const BoardCalibration& result);
 
-// ---- A calibration as one web page that needs nothing else.
+// ---- A calibration as one web page without further files.
 
 std::string calibration_page(const BoardCalibration& result);
 

@@ -49,7 +49,7 @@ Result<Input> load(const CalibrateMountingOptions& options) {
   CommandFiles files;
   files.reads(*survey);
   files.reads(*run);
-  // The rig itself may be updated in place.
+  // The rig's own file may be updated in place.
   for (const RigCamera& camera : rig->cameras) {
     if (!camera.calibration.empty()) files.reads(camera.calibration, "a calibration");
   }
@@ -64,7 +64,7 @@ std::array<double, 6> values_of(const Pose& vehicle_from_camera) {
   const Eigen::Vector3d& at = vehicle_from_camera.translation;
   std::array<double, 6> values{
       at.x(), at.y(), at.z(), degrees(angles.yaw), degrees(angles.pitch), degrees(angles.roll)};
-  // What is printed as zero has no sign.
+  // A value that is printed as zero has no sign.
   for (double& value : values) value = std::abs(value) < 5e-5 ? 0 : value;
   return values;
 }
@@ -166,7 +166,7 @@ Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFi
   return write_file(options.output, *text);
 }
 
-// A camera that looks to the other side than the rig says; empty where there is none.
+// A camera that looks in the opposite direction to the rig's; empty where there is none.
 std::string camera_of_other_side(const MountingFit& fit, const Rig& rig) {
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const RigCamera& camera = rig.cameras[i];
@@ -182,7 +182,8 @@ std::string camera_of_other_side(const MountingFit& fit, const Rig& rig) {
   return {};
 }
 
-// A camera of whose pictures more than a third contradict the rest; empty where there is none.
+// A camera of which more than a third of the pictures contradict the rest; empty where there is
+// none.
 std::string camera_of_contradictions(const MountingFit& fit) {
   for (const FittedMounting& camera : fit.cameras) {
     if (2 * camera.left_out <= camera.tags) continue;
@@ -194,8 +195,9 @@ std::string camera_of_contradictions(const MountingFit& fit) {
   return {};
 }
 
-// A camera that stands elsewhere than the rig states, beyond doubt; empty where there is none. In
-// photos that are mirrored, cameras come out at other heights, and nothing else tells.
+// A camera that certainly stands elsewhere than the rig states; empty where there is none. In
+// photos that are mirrored, cameras come out at other heights, and nothing else shows the
+// mirroring.
 std::string camera_of_other_place(const MountingFit& fit, const Rig& rig) {
   constexpr double kSure = 4;  // standard deviations
   constexpr std::array<std::array<const char*, 2>, 3> kWays{

@@ -15,8 +15,8 @@ struct CalibrateMountingOptions {
   int jobs = 0;  // photos read at the same time; 0 = as many as the process may use
 };
 
-// Fits the mounting to the run, prints it, and writes the rig with it. The exit code, as of the
-// command.
+// Fits the mounting to the run, prints it, and writes the rig with it. Returns the command's exit
+// code.
 int calibrate_mounting(const CalibrateMountingOptions& options);
 
 }  // namespace tagsmith::detail

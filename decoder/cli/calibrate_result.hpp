@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `calibrate` found from photos of boards, and what its outputs have in common.
+// The result of `calibrate` from photos of boards, and what its outputs have in common.
 #pragma once
 
 #include <cstddef>
@@ -40,8 +40,8 @@ struct CameraNumber {
   std::string_view unit;  // "px", or empty
 };
 
-// Those that the form leaves free: focal lengths ("f" for the one of square pixels), principal
-// point, coefficients.
+// The parameters that the form leaves free: focal lengths ("f" for the one of square pixels),
+// principal point, coefficients.
 std::vector<CameraNumber> camera_numbers(const CameraCalibration& calibration);
 
 // Names of Camera::distortion, as many as the lens has.
@@ -53,7 +53,7 @@ double residual_rms_px(const CameraCalibration& calibration);
 // "advice", "weak" or "refused".
 std::string_view severity_of(const CalibrationFinding& finding);
 
-// Sentences about the whole, for the text, the page and the drawing alike.
+// Sentences about the whole result, for the text, the page and the drawing alike.
 std::vector<std::string> calibration_facts(const BoardCalibration& result);
 
 // "weak: of use within the sigmas stated ...".

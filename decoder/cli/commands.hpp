@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands that look at pictures, and the list of all commands.
+// The commands that read pictures, and the list of all commands.
 #pragma once
 
 #include <vector>

@@ -37,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Xu et al. (2017), Table 4: errors in the plane and in z at the ten points, metres. They come from
-// other pictures than ours, of a real corridor, so they are a yardstick and no expectation.
+// other pictures than ours, of a real corridor, so they serve for comparison and are not expected.
 constexpr std::array<FixError, 10> kPaperErrors{{{0.083, 0.089},
                                                  {0.179, 0.039},
                                                  {0.270, 0.057},
@@ -140,7 +140,7 @@ std::vector<fs::path> photos_of(const Run& run) {
   return photos;
 }
 
-// One line on the files, and every finding. True when there is none.
+// One line on the files, and every finding. True when there are no findings.
 bool show(const Demo& demo, const std::string& step, const Verified& verified) {
   const auto count = [&](TagStatus status) {
     return verified.merged.by_status[static_cast<std::size_t>(status)];
@@ -175,8 +175,8 @@ struct LocatedPoints {
   std::vector<Fix> by_paper_with_true_range;  // the measured d replaced by the true one
 };
 
-// The observation with every range to the left wall as the truth says it should be. The plates'
-// surface is W_T/2 left of the center line.
+// The observation with every range to the left wall replaced by the true one. The plates' surface
+// is W_T/2 left of the center line.
 Observation with_true_ranges(Observation observation, const Measurement& measurement,
                              const Demo& demo) {
   if (!measurement.truth_in_grid) return observation;
@@ -213,7 +213,7 @@ std::string errors_in_words(const std::optional<FixError>& error, int decimals =
                : fmt::format("{:>6} {:>6}", "-", "-");
 }
 
-// The position, or why there is none up to the numbers.
+// The position, or why there is none, without the numbers.
 std::string position_in_words(const Fix& fix) {
   if (!fix.position_in_grid) return fix.reason.substr(0, fix.reason.find(':'));
   const Eigen::Vector3d& position = *fix.position_in_grid;

@@ -15,12 +15,12 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
-// Print files first, so that the pictures alone are the rest.
+// Print files first, so that the extensions of pictures alone are the rest.
 constexpr std::array<std::string_view, 15> kExtensions{".pdf",  ".svg", ".jpg", ".jpeg", ".heic",
                                                        ".heif", ".hif", ".png", ".webp", ".tif",
                                                        ".tiff", ".bmp", ".pgm", ".ppm",  ".pnm"};
 
-// In small letters, with its point.
+// In lower case, with its dot.
 std::string extension_of(const fs::path& path) { return lower_case(path.extension().string()); }
 
 std::string joined(std::span<const std::string_view> words) {
@@ -29,8 +29,8 @@ std::string joined(std::span<const std::string_view> words) {
   return text;
 }
 
-// What a file is that is not read; nothing for those that are. A name that leads nowhere is read,
-// which tells so.
+// The kind of a file that is not read; nothing for one that is read. A name without a file counts
+// as one that is read: reading reports the error.
 std::optional<std::string> skipped_kind(const fs::directory_entry& entry,
                                         std::span<const std::string_view> extensions) {
   std::error_code ignored;

@@ -18,9 +18,9 @@ std::string fixes_csv(const std::vector<Fix>& fixes, const std::vector<Measureme
 
 // A trajectory as the TUM benchmark writes it (Sturm et al. 2012, "A benchmark for the evaluation
 // of RGB-D SLAM systems"): `time x y z qx qy qz qw` of world_from_vehicle, vehicle x forward, y
-// left, z up. Quaternions cannot mirror: of a grid with x to the left, x is written with the other
-// sign, as the first line says. Measurements without a position or attitude are left out. Fails,
-// naming the row, when one that is located has no time, and when nothing is left to write.
+// left, z up. Quaternions cannot mirror: of a grid with x to the left, x is written with the
+// opposite sign, as the first line says. Measurements without a position or attitude are left out.
+// Fails, naming the row, when one that is located has no time, and when nothing is left to write.
 Result<std::string> fixes_tum(const std::vector<Fix>& fixes, const Run& run,
                               const std::vector<Survey>& surveys);
 

@@ -24,7 +24,7 @@ std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget&
 // `explain` adds the error budget and every corner's residual.
 std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool explain);
 
-// What all rows of a run show together.
+// What all rows of a run together show.
 struct RunFindings {
   std::optional<RigSuspicion> suspicion;
   RunCheck checked;
@@ -36,7 +36,7 @@ struct RunFindings {
 };
 
 // The summary of a run by the first method, and of each other under its name; `assumed`: what
-// survey and rig leave unsaid (assumptions.hpp); the suspicion is of this rig.
+// survey and rig do not state (assumptions.hpp); the suspicion is of this rig.
 std::string summary_json_line(std::span<const FixSummary> summaries,
                               const std::vector<std::string>& assumed, const RunFindings& findings,
                               const Rig& rig);

@@ -27,7 +27,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestLine = 1 << 20;
 
-// Nothing for lists and objects, which may be nested without end.
+// Nothing for lists and objects, which may be nested without limit.
 std::optional<std::string> id_text(const Json& id) {
   if (id.is_structured()) return std::nullopt;
   return id.is_string() ? id.get<std::string>() : json_text(id);

@@ -20,7 +20,7 @@ struct FollowInput {
   const Rig& rig;
   // The position of one measurement by these surveys, where the motion may say what to expect, and
   // what it shows: measurements are compared, and tags that they show to hang elsewhere than
-  // surveyed (LiveSetAside) locate nothing from there on.
+  // surveyed (LiveSetAside) are not used from there on.
   std::function<Fix(const Measurement&, const std::vector<Survey>&, const std::optional<PosePrior>&,
                     Observation&)>
       locate;

@@ -11,14 +11,14 @@
 
 namespace tagsmith::detail {
 
-// What `read` has to say about one picture.
+// The result of `read` for one picture.
 struct ImageReadings {
   std::filesystem::path image;
   int width = 0;
   int height = 0;
   ReadResult result;
-  double time_ms = 0;     // of reading alone, decoding the file apart
-  std::string warning{};  // what the file's decoder could make good; empty = nothing
+  double time_ms = 0;     // of reading alone, without decoding the file
+  std::string warning{};  // the damage that the file's decoder repaired; empty = none
 };
 
 // The position that the digits code: by the code of the survey that has such a tag, else by the

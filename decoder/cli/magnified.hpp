@@ -15,8 +15,8 @@ namespace tagsmith::detail {
 // root of -2 ln 0.05.
 extern const double kEllipse95;
 
-// By how much things of these sizes (metres) are drawn magnified, so that nine of ten stay within a
-// fifth of the tunnel: 1, 2 or 5 times a power of ten, 1 to 1000.
+// The factor by which objects of these sizes (metres) are magnified, so that nine of ten stay
+// within a fifth of the tunnel: 1, 2 or 5 times a power of ten, 1 to 1000.
 double magnification_for(const Tunnel& tunnel, std::vector<double> sizes);
 
 // The ellipse about a point of the sketch in which 95 % lie, magnified.

@@ -11,8 +11,8 @@
 
 namespace tagsmith::detail {
 
-// Reads the images of all rows, several at the same time, with a progress bar. Pictures that rows
-// of several times have are left out. The surveys must outlive the result.
+// Reads the images of all rows, several at the same time, with a progress bar. Pictures that occur
+// in rows of several times are left out. The surveys must outlive the result.
 std::vector<Observation> observe_run(const Run& run, const std::vector<Survey>& surveys,
                                      const Rig& rig, const ReaderChoice& reader, int jobs);
 

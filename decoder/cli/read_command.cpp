@@ -72,8 +72,8 @@ Result<ReadOptions> read_options(const ReadCommandOptions& options,
   return read;
 }
 
-// The drawing of each picture, by its own name; by its number too where two pictures have one name.
-// None without a folder.
+// The drawing of each picture, named after it, with its number too where two pictures have one
+// name. None without a folder.
 std::vector<fs::path> explanation_paths(const fs::path& folder,
                                         const std::vector<fs::path>& files) {
   if (folder.empty()) return {};
@@ -94,7 +94,7 @@ Result<void> write_explanation(const GrayView& image, const ReadResult& result,
   return write_file(path, *png);
 }
 
-// Reads one picture and, with a path for it, draws why.
+// Reads one picture and, if it has a path for a drawing, draws the reasons for the result.
 Result<ImageReadings> read_image(const fs::path& path, const std::string& reader,
                                  const ReadOptions& options,
                                  const std::optional<fs::path>& explanation) {

@@ -43,7 +43,7 @@ struct ReportOptions {
   std::vector<std::string> files;
   ReportFiles report;
   HangingOptions hanging;
-  std::string ledger;  // empty = of these lines alone
+  std::string ledger;  // empty = from these lines alone
   bool json = false;
 };
 
@@ -60,15 +60,15 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   }
 }
 
-// All lines of all files, in turn; fails where there is no line. `tell`: says how many lines were
-// left out.
+// All lines of all files, in turn; fails where there is no line. `tell`: reports how many lines
+// were left out.
 Result<void> read_all(const ReportOptions& options, const std::function<void(VerifiedFile)>& take,
                       bool tell = false) {
   std::size_t lines = 0;
   for (const std::string& file : options.files) {
     const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
     if (!counts) return fail(counts.error().message);
-    // A job that was killed leaves one broken line; this is some other file.
+    // A job that was killed leaves one broken line; a file with more is some other file.
     if (counts->files == 0 && counts->broken > 1) {
       return fail(
           fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
@@ -91,15 +91,15 @@ Result<bool> any_says_hanging(const ReportOptions& options) {
   return says;
 }
 
-// What a line says of its tags holds for the state of the survey that it was verified against. In
-// any other the code that was read tells which tag it is.
+// What a line says of its tags is valid for the state of the survey that it was verified against.
+// For any other state the code that was read identifies the tag.
 void judge_by_codes(const Survey& survey, VerifiedFile& line) {
   for (VerifiedTag& tag : line.tags) {
     if (!tag.digits) continue;
     const PlacedTag* same = find_tag(survey, *tag.digits);
     tag.tag = same != nullptr ? same->name : "";
     tag.hung.reset();
-    // By places that may be others now.
+    // From places that may have changed since.
     if (tag.status == TagStatus::misplaced) static_cast<Finding&>(tag) = {};
     if (same != nullptr || tag.status == TagStatus::unknown) continue;
     static_cast<Finding&>(tag) = {
@@ -112,7 +112,7 @@ Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey
                               const std::optional<LoadedHanging>& hanging,
                               const std::optional<HungTags>& hung, CommandFiles& files) {
   const std::string revision = survey_revision(survey);
-  // A file that was verified again stands for what an earlier state of the survey made of it.
+  // A file that was verified again replaces the result for an earlier state of the survey.
   std::unordered_set<std::size_t> current;
   const auto content_of = [](const VerifiedFile& line) {
     return std::hash<std::string>{}(identity_of(line));

@@ -25,7 +25,7 @@ namespace tagsmith::detail {
 
 namespace {
 
-// Of the statuses of status_of.
+// The statuses that status_of returns.
 Colour status_colour(const std::string& status) {
   if (status == "ok") return colours::kGreen;
   if (status == "poor") return colours::kOrange;
@@ -50,7 +50,7 @@ void add_status_mark(SketchLayer& layer, const SketchPoint& at, const std::strin
   layer.add(std::move(diamond));
 }
 
-// A view for each strip of the tunnel; marks in the layer `status`.
+// A view for each strip of the tunnel; the marks are in the layer `status`.
 std::vector<DrawingView> report_map(const Survey& survey, const VerifyMerge& merged) {
   std::vector<DrawingView> views;
   for (const PlanStrip& strip : plan_strips(survey)) {
@@ -114,7 +114,7 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
   return view;
 }
 
-// The fault's picture as it fits into the box; nothing when there is none.
+// The fault's picture scaled to fit the box; nothing when there is none.
 std::optional<Picture> picture_of(const FaultRecord& fault, double width, double height) {
   if (fault.picture.jpeg.empty()) return std::nullopt;
   Result<GrayImage> image = decode_gray_image("crop", fault.picture.jpeg);
@@ -137,7 +137,7 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
                            fault.rule.empty() ? "fault" : fault.rule, fault.is_question ? "?" : "");
   view.scale = 1;
   double y = 0;
-  // The card is as wide as others, whatever its words.
+  // The card is as wide as the others, whatever its text.
   SketchLayer& frame = view.sketch.layer("cards");
   frame.add(Polyline{{on_paper(0, y), on_paper(kWidth, y)}, {colours::kGrey, kExtraNarrow, {}}});
   if (std::optional<Picture> picture = picture_of(fault, kWidth, kPictureHeight)) {

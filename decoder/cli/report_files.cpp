@@ -96,7 +96,7 @@ filter();
 
 constexpr double kMapWidth = 1000;  // of a strip, units of its picture
 
-// A disc; faulty tags are diamonds and unseen ones rings, for who does not see the colours.
+// A disc; faulty tags are diamonds and unseen ones rings, for readers who do not see the colours.
 std::string shape_of(const std::string& status, const Vector2d& at) {
   if (status != "faulty") {
     return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"6\"/>", at.x(), at.y());
@@ -113,7 +113,7 @@ class StripPicture {
     }
     for (const PlacedTag* tag : tags()) box_.extend(place(*tag));
     scale_ = (kMapWidth - 2 * kMargin) / std::max(box_.sizes().x(), 1e-6);
-    // A strip that is mostly across would be far too high.
+    // A strip that runs mostly across would be far too high.
     scale_ = std::min(scale_, kMapWidth / std::max(box_.sizes().y(), 1e-6));
   }
 
@@ -198,7 +198,7 @@ class StripPicture {
         "{0}\"><title>{1}: {0}</title>{2}",
         status, name, shape_of(status, at));
     if (names) {
-      // Outside of the tunnel as it is drawn.
+      // Outside of the tunnel as drawn.
       const CenterlinePoint middle = survey_.tunnel.centerline.at(tag.chainage);
       const bool above = at.y() < on_picture(view(middle.position)).y();
       text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
@@ -241,7 +241,7 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
   return rows;
 }
 
-// Where the tags hang, as one sees them who faces the wall; empty where none was judged.
+// Where the tags hang, as seen by a viewer who faces the wall; empty where none was judged.
 std::string hanging_table(const VerifyMerge& merged) {
   if (merged.hung.empty()) return {};
   std::string rows;
@@ -400,7 +400,7 @@ std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.1f}", *value) : std::string();
 }
 
-// What is wrong with each tag, each thing once.
+// What is wrong with each tag, each fault once.
 std::map<std::string, std::string> findings_by_tag(const VerifyMerge& merged) {
   std::map<std::string, std::string> findings;
   for (const FaultRecord& fault : merged.faults) {
@@ -427,7 +427,7 @@ std::optional<fs::path> find_beside(const std::string& name, const char* subfold
   return std::nullopt;
 }
 
-// The photo that was cut from last: faults of one come one after the other.
+// The photo that was used last: faults of one photo come one after the other.
 struct CutPhoto {
   std::string file;
   Result<GrayImage> image = fail("");
@@ -444,7 +444,7 @@ Result<GrayImage> load_photo(const FaultRecord& fault, const std::vector<std::st
   return decode_gray_image(fault.file, input->bytes);
 }
 
-// A fault that no crop was saved of, cut out of its photo, or why it cannot be.
+// A fault of which no crop was saved, cut out of its photo, or why that is not possible.
 Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<std::string>& lines,
                                    CutPhoto& last, CommandFiles& files) {
   const bool is_in_photo = fault.corners || (fault.shows_whole && !fault.sha256.empty());
@@ -459,7 +459,7 @@ Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<s
   return report_picture(crop->view());
 }
 
-// The picture that was saved of a fault, or else a new one.
+// The picture that was saved of a fault, otherwise a new one.
 Result<std::string> picture_of(const FaultRecord& fault, const std::vector<std::string>& lines,
                                CutPhoto& last, CommandFiles& files) {
   if (!fault.picture.file.empty()) {

@@ -31,7 +31,7 @@ std::vector<CommandOption> report_options(ReportFiles& files);
 // Names them as outputs of the command.
 void add_report_files(const ReportFiles& report, CommandFiles& files);
 
-// Writes what is asked for, all files or none. Fails when one would replace a file that was read.
+// Writes what is requested, all files or none. Fails when one would replace a file that was read.
 Result<void> write_report(const ReportFiles& report, const Survey& survey,
                           const VerifyMerge& merged, const CommandFiles& files);
 
@@ -40,7 +40,7 @@ Result<void> write_report(const ReportFiles& report, const Survey& survey,
 // finding: what is wrong with it, in words, placement ("checked", "unchecked", or nothing).
 std::string report_csv(const Survey& survey, const VerifyMerge& merged);
 
-// The report as one web page that needs nothing else.
+// The report as one web page without further files.
 std::string report_page(const Survey& survey, const VerifyMerge& merged);
 
 // The report as a document: summary and map, faults with their pictures, all tags. Fails as
@@ -53,14 +53,14 @@ std::string report_picture(const GrayView& crop);
 // Fills the pictures of faults of tags that have none yet: from the crop that was saved, at the
 // path as written, or in that folder or its `crops` beside `lines`, the files of JSON lines; else
 // cut out of the photo, if it is the one that was verified. All beyond kMostPictureBytes, and those
-// that cannot be had, say why in `no_picture`. What is read is named to `files`.
+// that are not available, say why in `no_picture`. The files that are read are added to `files`.
 void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines, CommandFiles& files);
 
 // In words: "14 of 16 tags seen (88 %), ..." and one line for each stretch that was not, at most
 // `most` of them.
 std::vector<std::string> completeness_words(const Completeness& covered, std::size_t most);
 
-// Says on standard error how many lines of `file` were left out, when there are any.
+// Reports on standard error how many lines of `file` were left out, when there are any.
 void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts);
 
 // What was not checked, and notes on files, at most `most` of these.

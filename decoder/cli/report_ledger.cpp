@@ -39,7 +39,7 @@ code { background: var(--card); border: 1px solid var(--line); border-radius: 6p
 .spark circle { fill: currentColor; }
 )css";
 
-// What the word means for who does it.
+// What the word means for the person who does it.
 const char* heading_of(PlateAction action) {
   constexpr std::array kHeadings{"Print anew and replace",
                                  "Clean",
@@ -213,11 +213,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What is to be done now.
+// What must be done now.
 constexpr std::array kNow{PlateAction::reprint, PlateAction::clean, PlateAction::rehang,
                           PlateAction::look};
 
-// As a shell takes it for one word.
+// Quoted so that a shell takes it as one word.
 std::string shell_word(const std::string& text) {
   constexpr std::string_view kPlain =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,-";
@@ -334,7 +334,7 @@ void print_in_words(const Survey& survey, const LedgerReport& report) {
   if (!print.empty()) to_stdout("print again: {}\n", print);
 }
 
-// Tomorrow, because it is that day already further east.
+// Tomorrow, because farther east it is that day already.
 Day last_possible_day() {
   return std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now()) +
          std::chrono::days(1);

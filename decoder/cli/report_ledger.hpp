@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `report --ledger`: what to do about which plate, by all photos that were ever entered.
+// `report --ledger`: what to do about which plate, from all photos that were ever entered.
 #pragma once
 
 #include <chrono>
@@ -31,8 +31,9 @@ CommandOption ledger_option(std::string& ledger, const std::string& help);
 // Names the ledger and what SQLite writes beside it as outputs of the command.
 void add_ledger_files(const std::string& ledger, CommandFiles& files);
 
-// Enters photos as they come, those of a second in one transaction: each takes some twenty
-// milliseconds until it is on the disk. What a killed run did not enter is entered by the next one.
+// Enters photos as they arrive, those of one second in one transaction, because each takes some
+// twenty milliseconds until it is on the disk. What a killed run did not enter is entered by the
+// next one.
 class LedgerWriter {
  public:
   // Without a ledger where `path` is empty.
@@ -54,10 +55,10 @@ class LedgerWriter {
   LedgerTally tally_;
 };
 
-// The exit code: 1 when something is to be done now.
+// The exit code: 1 when something must be done now.
 Result<int> report_ledger(const LedgerOptions& options);
 
-// The page for who looks after the tags, which needs nothing else.
+// The page for the people who look after the tags, without further files.
 std::string ledger_page(const Survey& survey, const LedgerReport& report);
 
 // ", taken from 2026-03-12 to 2027-05-01"; empty when no photo says its day.
@@ -66,7 +67,7 @@ std::string days_in_words(const LedgerReport& report);
 // A sentence for each kind of photos that say less than others, without its full stop.
 std::vector<std::string> doubts_in_words(const LedgerReport& report);
 
-// "2026-03-12", or what stands for it.
+// "2026-03-12", or the words in its place.
 std::string last_found_in_words(const MendedFault& fault);
 
 // "2027-05-01 (2027-03-12 to 2027-08-20)", "not before 2027-03-12", or "no trend yet".

@@ -61,7 +61,7 @@ std::vector<Mark> marks_of(const Survey& survey, const Run& run, const std::vect
   return marks;
 }
 
-// By how much errors are drawn magnified, so that nine of ten stay within a fifth of the tunnel.
+// The factor by which errors are magnified, so that nine of ten stay within a fifth of the tunnel.
 double magnification(const Survey& survey, const std::vector<Mark>& marks) {
   std::vector<double> sizes;
   for (const Mark& mark : marks) {
@@ -76,7 +76,7 @@ double magnification(const Survey& survey, const std::vector<Mark>& marks) {
 
 // --- plan ---
 
-constexpr std::size_t kMostNames = 60;  // on one strip; more would run into each other
+constexpr std::size_t kMostNames = 60;  // on one strip; more would overlap
 
 void add_mark(Sketch& sketch, const PlanStrip& strip, const Mark& mark, double factor, bool named) {
   const Matrix2d turn = strip.view_from_world.linear();

@@ -115,7 +115,7 @@ bool fits_file_name(const std::string& text) {
          !text.starts_with('.');
 }
 
-// Each image has a file name of its own that cannot leave the folder.
+// Each image has its own file name, which cannot leave the folder.
 Result<void> check_file_names(const SimulateInput& input, const std::string& format) {
   std::set<std::string> names;
   for (const Measurement& measurement : input.run.measurements) {

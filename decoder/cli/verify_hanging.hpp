@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the tags of the photos hang: by `--rig`, or by what photos say of their lenses.
+// Where the tags of the photos hang: with `--rig`, or with the lenses that the photos name.
 #pragma once
 
 #include <filesystem>
@@ -25,8 +25,8 @@ struct HangingOptions {
 
 std::vector<CommandOption> hanging_options(HangingOptions& options);
 
-// What the options say; nothing without --rig. The files are named as inputs of the command, and
-// the photos of the run are `photos`.
+// What the options specify; nothing without --rig. The files are added as inputs of the command,
+// and the photos of the run are `photos`.
 struct LoadedHanging {
   HangingSetup setup;
   std::vector<std::string> photos;
@@ -40,8 +40,8 @@ LoadedHanging hanging_without_rig(const HangingOptions& options);
 // True when one of the files is a photo that names its lens.
 bool any_names_lens(const std::vector<std::filesystem::path>& files);
 
-// What was found of all tags: on standard error what could not be used and what is assumed. Nothing
-// without a rig when no photo names its lens; what lenses say is added to `hanging`.
+// The findings on all tags: on standard error what could not be used and what is assumed. Nothing
+// without a rig when no photo names its lens; the result for lenses is added to `hanging`.
 Result<std::optional<HungTags>> check_hanging(const char* command, const Survey& survey,
                                               std::optional<LoadedHanging>& hanging,
                                               const EachFile& files);

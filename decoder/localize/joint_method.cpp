@@ -39,8 +39,8 @@ struct SettledFit {
 // Where the same measurements agree with calibration and edges as stated (they would disagree more
 // once in a thousand), the pose is the one from these; otherwise it is the fit's own. The
 // covariance is that of the error about the pose: the fit's own, plus the square of the difference
-// between the two poses, which is added to the calibration's part. Why:
-// docs/decisions/0020-unstated-is-not-exact.md.
+// between the two poses, which is added to the calibration's part.
+// Why: docs/decisions/0020-unstated-is-not-exact.md.
 SettledFit settled(const JointProblem& problem, const JointFit& fit) {
   constexpr double kBorneOut = 3.1;  // of a normal value: once in a thousand
   SettledFit result{fit.state, fit.vehicle_covariance(), budget_of(problem, fit), fit.chi_square,

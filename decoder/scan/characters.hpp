@@ -14,7 +14,7 @@ namespace tagsmith::detail {
 
 // Seven modules that start and end like a digit's hold two bars and two spaces; there are twenty
 // ways, and UPC-A uses ten. Characters 0-9 are the digits; 10-19 are the same widths backwards: the
-// digits of a symbol that stands on its head, EAN-13's other left digits, and whatever a misprint
+// digits of an upside-down symbol, EAN-13's other left digits, and the characters that a misprint
 // makes of a digit by moving one edge by a module.
 inline constexpr std::size_t kCharacterCount = 20;
 
@@ -30,7 +30,7 @@ const std::array<std::uint8_t, kModulesPerDigit>& modules_of_character(bool righ
 // Features, in order along the symbol: 2k = the growth of the edge at the begin of module k,
 // 2k + 1 = module k.
 inline constexpr std::size_t kFeatures = 2 * kModuleCount + 1;
-inline constexpr std::size_t kOwnFeatures = 13;  // of one character, its outer edges left out
+inline constexpr std::size_t kOwnFeatures = 13;  // of one character, without its outer edges
 
 // The first feature of the character at a position.
 constexpr std::size_t first_feature(std::size_t position) {

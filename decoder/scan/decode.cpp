@@ -11,7 +11,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// Other codes, and what is no code at all.
+// Other codes, and patterns that are no code at all.
 PosteriorOdds doubt_about(const CharacterCosts& costs, const DecodeOptions& options,
                           const BestSymbol& best) {
   constexpr double kSymbols = 1e12;
@@ -36,10 +36,10 @@ PosteriorOdds doubt_about(const CharacterCosts& costs, const DecodeOptions& opti
   return doubt;
 }
 
-// How much it counts that a digit only looks like this one: as much as a code with another digit
-// there may exist. With a single other digit no code is valid by the same scheme, one in nine is by
-// the other scheme, and the rest are misprints. Where both schemes hold, neither does with any
-// single other digit: both weigh each place by what has an inverse modulo 10.
+// The weight of the case that a digit only looks like this one: it counts as much as a code with
+// another digit there may exist. With a single other digit no code is valid by the same scheme, one
+// in nine is by the other scheme, and the rest are misprints. Where both schemes hold, neither does
+// with any single other digit: both weigh each place by a factor with an inverse modulo 10.
 double share_of_corrupted(const DecodeOptions& options, const Digits& digits) {
   constexpr double kOthers = 9;
   if (!options.code_book.empty()) return kOdds.corrupted_stranger;
@@ -49,8 +49,8 @@ double share_of_corrupted(const DecodeOptions& options, const Digits& digits) {
   return (kOdds.understated + (kOthers - 1) * kOdds.wrong_check) / kOthers;
 }
 
-// What else could be there. When another code is likelier than the one that is read, nothing is
-// left of it.
+// The odds of the alternatives. When another code is likelier than the one that is read, its
+// confidence becomes 0.
 PosteriorOdds doubt_by(const ModuleNormalEquations& system, const DecodeOptions& options,
                        const Digits& digits) {
   const Characters characters = characters_of(digits);
@@ -61,8 +61,8 @@ PosteriorOdds doubt_by(const ModuleNormalEquations& system, const DecodeOptions&
   return kRefuted;
 }
 
-// What is to be doubted about a decoding. Whether what a digit leaves unexplained is noise there or
-// belongs to another character is not known, so the worse counts.
+// The doubts about a decoding. It is not known whether the part that a digit leaves unexplained is
+// noise there or belongs to another character, so the worse counts.
 void judge(const ScanProfile& profile, const DecodeOptions& options, const Settled& settled,
            Decoding& decoding) {
   const ImagingModel& image = decoding.fit.image;
@@ -83,7 +83,7 @@ void judge(const ScanProfile& profile, const DecodeOptions& options, const Settl
   decoding.doubt.corrupted_digits = share_of_corrupted(options, decoding.digits) *
                                     std::accumulate(corrupted.begin(), corrupted.end(), 0.0);
   const double odds = decoding.doubt.odds();
-  decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where nothing can be computed
+  decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where it cannot be computed
 }
 
 // Decodes a profile seen the right way round.

@@ -9,9 +9,9 @@
 
 namespace tagsmith::detail {
 
-// Starts from the given picture of the symbol (its blur is the one that matters) and alternates
-// between the most likely digits, exact by dynamic programming over neighbouring digits, and the
-// adjustment of the picture to them. The profile must have at least 40 places.
+// Starts from the given picture of the symbol (its blur is what matters) and alternates between the
+// most likely digits, exact by dynamic programming over neighbouring digits, and the adjustment of
+// the picture to them. The profile must have at least 40 places.
 std::optional<Decoding> decode_profile(const ScanProfile& profile, const ImagingModel& start,
                                        const DecodeOptions& options);
 

@@ -15,8 +15,8 @@
 namespace tagsmith::detail {
 namespace {
 
-// What a profile shows of a symbol. A digit is in sight where all of its modules are: what is left
-// of another one cannot be told from a digit that is smeared.
+// The part of a symbol that a profile shows. A digit is in sight where all of its modules are: the
+// rest of another one cannot be distinguished from a digit that is smeared.
 struct InSight {
   ModulesShown modules{};
   std::array<bool, kDigitCount> digits{};
@@ -81,9 +81,9 @@ CharacterCosts held_out_of_sight(CharacterCosts costs, const Characters& referen
 enum class DigitVerdict { certain, uncertain, contradicted };
 using DigitVerdicts = std::array<DigitVerdict, kDigitCount>;
 
-// By some costs, each digit against all other characters in its place, or as it was judged before
-// where that is worse. One that the others together are likelier than where nothing of it is seen
-// is contradicted.
+// For some costs: each digit against all other characters in its place, or as it was judged before
+// where that is worse. A digit is contradicted where the others together are likelier than if
+// nothing of it were seen.
 void judge_digits(const CharacterCosts& costs, const Characters& reference,
                   DigitVerdicts& verdicts) {
   const double own = costs.of(reference);
@@ -102,8 +102,8 @@ void judge_digits(const CharacterCosts& costs, const Characters& reference,
   }
 }
 
-// What speaks against the digits that are certain by some costs, and the odds of each code of the
-// book against the reference by all digits in sight.
+// The evidence against the digits that are certain, for some costs, and the odds of each code of
+// the book against the reference by all digits in sight.
 struct PartOdds {
   double misprints = 0;
   std::vector<double> codes;
@@ -130,7 +130,7 @@ PartOdds part_odds(const CharacterCosts& costs, const Characters& reference,
   return odds;
 }
 
-// Whichever leaves more doubt.
+// The one of both that leaves more doubt.
 PartOdds greater_of(PartOdds one, const PartOdds& other) {
   one.misprints = std::max(one.misprints, other.misprints);
   for (std::size_t i = 0; i < one.codes.size(); ++i) {
@@ -139,7 +139,7 @@ PartOdds greater_of(PartOdds one, const PartOdds& other) {
   return one;
 }
 
-// Takes the codes that cannot be ruled out for candidates; the others are doubt.
+// Makes the codes that cannot be excluded candidates; the others are doubt.
 void list_candidates(const DecodeOptions& options, const PartOdds& odds, PartDecoding& part) {
   for (std::size_t i = 0; i < odds.codes.size(); ++i) {
     const bool is_listed = std::ranges::find(part.candidates, options.code_book[i],
@@ -187,7 +187,7 @@ std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen
     return ModuleNormalEquations(weighed, settled.light,
                                  nuisance_covariance(weighed, decoding.fit.image, bars));
   };
-  // By both estimates of the noise, whichever leaves more doubt.
+  // By both estimates of the noise, using the one that leaves more doubt.
   const CharacterCosts local =
       system_of(with_local_noise(profile, factors)).character_costs(&digits);
   const ModuleNormalEquations evenly_noisy = system_of(with_common_noise(profile, factors));
@@ -214,8 +214,8 @@ std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen
   return judged;
 }
 
-// Takes out of sight the digits that something disturbs: those that nothing contradicts, though
-// they are explained badly or are not certain. Whether there are any.
+// Takes digits out of sight that are disturbed: those that nothing contradicts, although they are
+// explained badly or are not certain. Returns whether there are any.
 bool hide_disturbed(const JudgedPart& judged, InSight& seen) {
   bool any = false;
   for (std::size_t i = 0; i < kDigitCount; ++i) {
@@ -229,7 +229,7 @@ bool hide_disturbed(const JudgedPart& judged, InSight& seen) {
   return any;
 }
 
-// As decode_upright, of a part: what a disturbed digit has in sight would disturb the others.
+// As decode_upright, for a part: the visible modules of a disturbed digit would disturb the others.
 // Why: docs/decisions/0025-parts-of-tags.md.
 std::optional<PartDecoding> decode_part_upright(const ScanProfile& all, const ImagingModel& image,
                                                 const DecodeOptions& options) {

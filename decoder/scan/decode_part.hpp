@@ -18,21 +18,21 @@ struct PartCandidate {
   double odds = 1;  // against the likeliest, by the digits in sight
 };
 
-// What a profile of a part of a symbol shows. Of the decoding, `digits` are the likeliest
-// candidate's, and `confidence` and `doubt` speak of the certain digits alone: that they are those
-// of one of the candidates. Whether another plate with the same certain digits stands there, they
-// do not say.
+// What a profile of a part of a symbol shows. In the decoding, `digits` are the likeliest
+// candidate's, and `confidence` and `doubt` concern the certain digits alone: that they are those
+// of one of the candidates. They do not say whether another plate with the same certain digits
+// stands there.
 struct PartDecoding {
   Decoding decoding;
-  // The digits all of whose modules the profile shows, so well that no other character may stand
+  // The digits of which the profile shows all modules, so clearly that no other character may stand
   // there.
   std::array<bool, kDigitCount> certain{};
   std::vector<PartCandidate> candidates{};  // likeliest first; not empty
 };
 
-// As decode_profile, of a profile that begins or ends amid the symbol or hides places of it,
-// against a code book, which must not be empty. Codes that differ in no digit in sight are
-// candidates alike. Why: docs/decisions/0025-parts-of-tags.md.
+// As decode_profile, for a profile that begins or ends within the symbol or hides places of it,
+// against a code book, which must not be empty. Codes that differ in no digit in sight are equally
+// candidates. Why: docs/decisions/0025-parts-of-tags.md.
 std::optional<PartDecoding> decode_part(const ScanProfile& profile, const ImagingModel& start,
                                         const DecodeOptions& options);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of codes before a profile is read, and what is known after.
+// What is known of codes before a profile is read, and what is known afterwards.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct DecodeOptions {
   std::span<const Digits> code_book;  // when not empty, the only codes that exist
 };
 
-// The odds of what else could be there, against the digits that are read.
+// The odds of the alternatives against the digits that are read.
 struct PosteriorOdds {
   double other_codes = 0;       // another code of the book or of the check digit's scheme
   double misprints = 0;         // characters that are no such code
@@ -32,14 +32,14 @@ struct Decoding {
   // Posterior probability of these digits, given that a symbol is there; 0 without closer look
   // where they explain little of the profile.
   double confidence = 0;
-  PosteriorOdds doubt;  // what speaks against them; confidence is 1 / (1 + its odds)
+  PosteriorOdds doubt;  // the evidence against them; confidence is 1 / (1 + its odds)
   SymbolFit fit;
   double noise = 1;        // what the symbol leaves unexplained, over the profile's variances
   double guards = 0;       // explained_by_guards, without what was set aside
   double worst_digit = 0;  // the least of explained_by_digits, likewise
 };
 
-// The profile seen the other way round.
+// The profile in the opposite direction.
 ScanProfile turned(const ScanProfile& profile);
 
 }  // namespace tagsmith::detail

@@ -16,7 +16,7 @@ struct StepValue {
 
 // A normal point spread, averaged over the width of a pixel. A pixel measures the light on its
 // area: where a module is about as wide as a pixel or narrower, the step is not that of any normal
-// point spread. Everything in modules; a pixel of width 0 measures at a point.
+// point spread. All lengths are in modules; a pixel of width 0 measures at a point.
 class EdgeStep {
  public:
   EdgeStep(float blur, float pixel)

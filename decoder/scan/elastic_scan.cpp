@@ -55,7 +55,7 @@ int length_of(int segment, int ratio) {
 }
 
 // Where bars of a segment begin and end, in modules. At -1 and one module behind the segment's end
-// stand the nearest edges that may be beside it, whose elements have colours that are known.
+// are the nearest edges that may be beside it, whose elements have colours that are known.
 using Bars = std::vector<std::array<int, 2>>;
 
 void add_bars(Bars& bars, std::span<const std::uint8_t> widths, bool bar) {
@@ -67,7 +67,7 @@ void add_bars(Bars& bars, std::span<const std::uint8_t> widths, bool bar) {
   }
 }
 
-// The bars of a segment's pattern and of what is beside it. 10 to 19 are digits of even parity.
+// The bars of a segment's pattern and of its neighbours. 10 to 19 are digits of even parity.
 Bars bars_of(int segment, int pattern) {
   const int end = modules_of_segment(segment);
   if (segment == 7) return {{-1, 0}, {1, 2}, {3, 4}, {end, end + 1}};
@@ -155,7 +155,7 @@ class LineDarkness {
   }
 
   std::span<const float> samples() const { return samples_; }
-  // Of `count` samples from each place on, the first of which is `first`.
+  // Over `count` samples from each place on, the first of which is `first`.
   PlaceRow squares(int first, std::size_t count) const {
     PlaceRow row;
     const double* from = squares_.data() + first;
@@ -173,7 +173,7 @@ class LineDarkness {
 // Costs of one segment: for each place where it may begin, local module width and pattern.
 class SegmentCosts {
  public:
-  // Of the ten patterns that UPC-A has there, or of `only` one; each is kept when asked for.
+  // For the ten patterns that UPC-A has there, or for `only` one; each is kept when asked for.
   SegmentCosts(const LineDarkness& line, int segment, const BarTemplates& templates,
                std::optional<int> only, bool keep)
       : segment_(segment), best_(filled_rows(kFarCost)) {
@@ -192,7 +192,7 @@ class SegmentCosts {
     for (PlaceRow& row : best_) std::fill(row.begin() + kPlaces, row.end(), kFarCost);
   }
 
-  // Keeps the patterns, too, that EAN-13 has there besides.
+  // Keeps the additional patterns of EAN-13 there, too.
   void add_rivals(const LineDarkness& line, const BarTemplates& templates) {
     for (int pattern = 10; pattern < patterns_of(segment_); ++pattern) {
       for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
@@ -205,7 +205,7 @@ class SegmentCosts {
   const PlaceRow& row(std::size_t pattern, std::size_t ratio) const {
     return rows_[pattern * kWidthCount + ratio];
   }
-  // The least of the patterns that UPC-A has there.
+  // The least cost of the patterns that UPC-A has there.
   const PlaceRows& best() const { return best_; }
 
  private:
@@ -268,13 +268,13 @@ const WidthPenalties& penalties_backwards() {
   return penalties;
 }
 
-// By how many places a segment of a local width moves the next boundary in that one's own window.
+// By how many places a segment of a local width moves the next boundary in its own window.
 int shift_of(int segment, std::size_t ratio) {
   return length_of(segment, static_cast<int>(ratio)) -
          modules_of_segment(segment) * kPlacedPerModule;
 }
 
-// A row moved by some places: what comes from outside costs kFarCost.
+// A row moved by some places: values from outside cost kFarCost.
 PlaceRow moved(const PlaceRow& row, int shift) {
   PlaceRow result;
   result.fill(kFarCost);
@@ -288,7 +288,7 @@ class Chain {
  public:
   enum class Keep { best, patterns };
 
-  // Over all symbols, or over the distortions of one. The chain is given up, and costs kFarCost,
+  // Over all symbols, or over the distortions of one. The chain is abandoned, and costs kFarCost,
   // as soon as it is certain to cost more than `worst` per module.
   Chain(std::span<const float> darkness, const BarTemplates& templates, const Digits* digits,
         Keep keep, double worst)
@@ -336,13 +336,14 @@ class Chain {
  private:
   static constexpr int kWeighedModules = kModuleCount + 2 * kNearModules;
 
-  // The segments' costs are made from the last one on.
+  // The segments' costs are computed from the last one on.
   const SegmentCosts& costs_of(int s) const {
     return costs_[static_cast<std::size_t>(kSegments - 1 - s)];
   }
   SegmentCosts& costs_of(int s) { return costs_[static_cast<std::size_t>(kSegments - 1 - s)]; }
 
-  // Of a quiet zone before the first bar (module 0) or after the last, by the boundary's place.
+  // Cost of a quiet zone before the first bar (module 0) or after the last, by the boundary's
+  // place.
   PlaceRows quiet_costs(int module) const {
     PlaceRow row;
     row.fill(kFarCost);
@@ -374,7 +375,7 @@ class Chain {
   }
 
   // For each segment: least cost of all before it, by the place where it begins and its local
-  // width, the change of width included.
+  // width, including the change of width.
   std::vector<PlaceRows> entries() const {
     std::vector<PlaceRows> entry{begins_};
     for (int s = 0; s + 1 < kSegments; ++s) {
@@ -389,7 +390,7 @@ class Chain {
     return entry;
   }
 
-  // Cost of the whole line with segment s at a place and width, its own pattern apart.
+  // Cost of the whole line with segment s at a place and width, without its own pattern.
   PlaceRow around(int s, const PlaceRows& entry, std::size_t ratio) const {
     PlaceRow row = entry[ratio];
     const PlaceRow& remain = remain_[static_cast<std::size_t>(s)][ratio];

@@ -55,20 +55,20 @@ struct ElasticAlignment {
 struct ElasticReading {
   Digits digits{};
   ElasticAlignment alignment;
-  // What the whole line's cost grows by when a digit is forced, its neighbours and the distortion
-  // free to adapt: 0 for the best digit.
+  // The increase of the whole line's cost when a digit is forced, with its neighbours and the
+  // distortion free to adapt: 0 for the best digit.
   std::array<std::array<double, 10>, kDigitCount> extra_cost{};
   // The same when a digit of the left half is forced to even parity, as EAN-13 has it in three of
   // six (GS1 General Specifications 5.2.1.2); negative when that suits better.
   std::array<double, 6> even_parity_cost{};
 };
 
-// Costs per module above this are of no interest to anybody.
+// Costs per module above this are of no interest.
 inline constexpr double kAnyCost = 1e6;
 
 // Reads the symbol near the line's place: its boundaries may lie 5 modules from where the place's
-// even modules put them, its local module width may vary by a ninth. Nothing when the place leaves
-// no room on the line, or, found out early, when the reading costs more than `worst` per module.
+// even modules put them, its local module width may vary by a ninth. Nothing when the place does
+// not fit on the line, or, detected early, when the reading costs more than `worst` per module.
 std::optional<ElasticReading> read_elastic(const PlacedLine& line, const BarTemplates& templates,
                                            double worst = kAnyCost);
 std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
@@ -78,7 +78,7 @@ std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPla
 // than `worst`.
 double elastic_cost(const PlacedLine& line, const BarTemplates& templates, double worst = kAnyCost);
 
-// Where that reading has its boundaries alone, in half the time.
+// Only the boundaries of that reading, in half the time.
 std::optional<ElasticAlignment> align_elastic(const PlacedLine& line, const BarTemplates& templates,
                                               double worst = kAnyCost);
 

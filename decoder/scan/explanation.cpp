@@ -19,7 +19,7 @@ namespace {
 struct Share {
   double variation = 0;  // about mid grey
   double unexplained = 0;
-  double noise = 0;  // what the variances allow of the latter
+  double noise = 0;  // the part of the latter that the variances allow
 
   void add(const ScanBin& bin, double expected, double middle) {
     const double residual = bin.darkness - expected;
@@ -121,7 +121,7 @@ Digits digits_of(const Characters& characters) {
 
 BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
   if (!options.code_book.empty()) return best_code(costs, options.code_book);
-  // Where the best symbol of all is a valid code, nothing is left to search.
+  // Where the best symbol of all is a valid code, no further search is needed.
   const BestSymbol free = best_symbol(costs, SymbolClass::upright);
   const Digits digits = digits_of(free.characters);
   BestSymbol best{{}, std::numeric_limits<double>::infinity()};
@@ -138,7 +138,7 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 namespace {
 
 // Alternates between the most likely digits and the adjustment of the picture to them. `costs` are
-// those of the profile by the start's picture.
+// those of the profile with the start's picture.
 std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& start,
                               const CharacterCosts& costs, const DecodeOptions& options) {
   Decoding decoding;

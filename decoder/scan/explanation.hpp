@@ -22,7 +22,7 @@
 
 namespace tagsmith::detail {
 
-// ---- How well a symbol explains a profile, in all and where it matters.
+// ---- How well a symbol explains a profile, as a whole and where it matters.
 
 // The darkness expected at each place of the profile.
 std::vector<double> expected_darkness(const ImagingModel& image, const Digits& digits,
@@ -31,17 +31,17 @@ std::vector<double> expected_darkness(const ImagingModel& image, const Digits& d
 // Share of the profile's variation about mid grey that is explained where the modules are known
 // beforehand: the quiet zones, the guard patterns and the modules beside them (23 modules on three
 // stretches). Near 1 for any symbol, near 0 or below for other patterns; what was set aside counts
-// little. `expected` is the darkness for any digits: they matter only for what blur carries over
-// from the neighbouring modules.
+// little. `expected` is the darkness for any digits: they matter only because of the blur from the
+// neighbouring modules.
 double explained_by_guards(const ScanProfile& profile, const ImagingModel& image,
                            const std::vector<double>& expected);
 
 // The digit of which a place shows a module, modules from the symbol's begin; nothing elsewhere.
 std::optional<std::size_t> digit_at(double place);
 
-// Of each digit, the share of its variation about mid grey that is explained, as above, over its
-// seven modules, beyond what the profile's variances allow; 1 where nothing of it shows. A digit
-// with a single element edge a module off falls below 0.5.
+// For each digit, the share of its variation about mid grey that is explained, as above, over its
+// seven modules, beyond what the profile's variances allow; 1 where nothing of it is visible. A
+// digit with a single element edge a module off falls below 0.5.
 std::array<double, kDigitCount> explained_by_digits(const ScanProfile& profile,
                                                     const ImagingModel& image,
                                                     const std::vector<double>& expected);
@@ -50,9 +50,9 @@ std::array<double, kDigitCount> explained_by_digits(const ScanProfile& profile,
 // that such a picture of them explains.
 double guards_in(const ScanProfile& profile, const ImagingModel& image);
 
-// Whether they explain as much of it as is asked before any adjustment, by this picture or by one
-// that is blurrier by the standard deviation that the fit allows. A camera that takes noise away
-// blurs narrow bars more than the frame's sides, by which the picture's blur is known.
+// Whether they explain as much of it as is required before any adjustment, with this picture or
+// with one that is blurrier by the standard deviation that the fit allows. Noise reduction in a
+// camera blurs narrow bars more than the frame's sides, which determine the picture's blur.
 bool shows_guards(const ScanProfile& profile, ImagingModel image);
 
 // ---- The digits and the picture of a symbol that explain a profile best, and the noise that they
@@ -66,10 +66,10 @@ Digits digits_of(const Characters& characters);
 // The most likely code among those that may exist.
 BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options);
 
-// Nothing is left of the digits.
+// Odds that refute the digits.
 inline constexpr PosteriorOdds kRefuted{std::numeric_limits<double>::infinity(), 0, 0};
 
-// How a profile is read at first: by the picture of the symbol that it starts from.
+// How a profile is read at first: with the picture of the symbol that it starts from.
 struct DecodingStart {
   explicit DecodingStart(const ScanProfile& profile, const ImagingModel& picture)
       : image(picture),
@@ -81,14 +81,14 @@ struct DecodingStart {
   CharacterCosts costs;
 };
 
-// Digits and a picture that fit each other, and what that was found by.
+// Digits and a picture that fit each other, and the quantities that they were found with.
 struct Settled {
   Decoding decoding;
   ModuleLight light;             // by the picture of the decoding
   ModuleNormalEquations system;  // of the profile, by that light
 };
 
-// What explains a profile seen the right way round, not yet judged.
+// The best explanation of a profile in its right direction, not yet judged.
 struct Explained {
   Settled settled;
   std::array<double, kDigitCount> digits{};  // explained_by_digits
@@ -98,7 +98,7 @@ struct Explained {
 std::optional<Explained> explain(const ScanProfile& profile, const DecodingStart& start,
                                  const DecodeOptions& options);
 
-// The ways in which a symbol may run along a profile, by what its digits cost at first.
+// The directions in which a symbol may run along a profile, by the cost of its digits at first.
 struct PossibleWays {
   bool up = false;
   bool down = false;
@@ -114,9 +114,9 @@ constexpr ModulesShown all_modules() {
   return shown;
 }
 
-// By how much the profile's variances fall short of what the symbol leaves unexplained: about each
-// module, and in most of the symbol. What dirt or light leave in one place must not count for all
-// of it, nor be lost in all of it.
+// By how much the profile's variances are less than the squares that the symbol leaves unexplained:
+// about each module, and in most of the symbol. Dirt or light in one place must neither count for
+// all of it, nor be averaged away in it.
 struct VarianceFactors {
   std::array<double, kModuleCount> local{};
   double common = 0;

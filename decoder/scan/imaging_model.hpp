@@ -7,8 +7,8 @@ namespace tagsmith::detail {
 
 inline constexpr float kHalfLength = kModuleCount / 2.0F;  // of a symbol, modules
 
-// What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
-// 0 and 1. All but the pixels' width is fitted.
+// How the profile differs from the ideal symbol. Nominally: no displacement, no growth, levels 0
+// and 1. All but the pixels' width is fitted.
 struct ImagingModel {
   double blur = 0.3;   // standard deviation of the point spread, modules
   double shift = 0;    // of the symbol's middle, modules
@@ -20,7 +20,7 @@ struct ImagingModel {
   double shading = 0;  // change of both levels from the middle to the right end
   double pixel = 0;    // width that a place averages over, modules in the symbol's middle
 
-  // Where a module of the symbol is seen, growth aside.
+  // Where a module of the symbol is seen, without growth.
   double place_of(double module) const {
     const double from_middle = module - kModuleCount / 2.0;
     const double t = 2 * from_middle / kModuleCount;

@@ -59,8 +59,8 @@ SideBySide side_by_side(const std::array<DigitModules, kDigitCount>& modules,
   return lanes;
 }
 
-// The modules free to differ by so much: the lower factor of what holds them, and the logarithm of
-// the share that they fill of the volume that they might.
+// The modules when they may differ by so much: the lower factor of the information on them, and the
+// logarithm of the share that they fill of the volume that they might.
 struct Freed {
   Block lower;
   Modules per_diagonal;
@@ -86,7 +86,7 @@ Freed free_modules(const Block& products, double sigma) {
   return freed;
 }
 
-// Logarithm of the likelihood of residuals, but for what they cost where nothing is free.
+// Logarithm of the likelihood of residuals, without their cost where no module is free.
 Lanes log_freed(const Freed& freed, const Modules& residuals) {
   Modules solved;
   Lanes square = Lanes::Zero();
@@ -140,8 +140,9 @@ double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t d
   return wrong / right;
 }
 
-// What a digit's modules leave unexplained when they are free, over what noise alone would leave of
-// the two thirds of digits where it is least. Nothing where next to nothing of the digit is seen.
+// The part that a digit's modules leave unexplained when they are free, divided by what noise alone
+// would leave in the two thirds of digits with the least. Nothing where almost nothing of the digit
+// is seen.
 std::optional<double> unexplained_by(const DigitModules& digit) {
   using Square = Eigen::Matrix<double, kModules, kModules, Eigen::RowMajor>;
   constexpr double kLeastDegrees = 1;
@@ -157,9 +158,9 @@ std::optional<double> unexplained_by(const DigitModules& digit) {
   return residuals.dot(factors.solve(residuals)) / degrees / expected;
 }
 
-// The noise in what the modules of digits tell, at least 1: what most digits leave unexplained
-// there is no corruption. It is more than the noise of the symbol where errors are alike over two
-// or three modules, which free modules show enlarged by what the blur took from them.
+// The noise in the modules of digits, at least 1: the part that most digits leave unexplained there
+// is no corruption. It is more than the noise of the symbol where errors are correlated over two or
+// three modules, because free modules enlarge errors by as much as blur reduces contrast.
 double noise_of_free_modules(const std::array<DigitModules, kDigitCount>& digits) {
   std::vector<double> ratios;
   for (const DigitModules& digit : digits) {
@@ -282,7 +283,7 @@ float ModuleNormalEquations::gram(std::size_t a, std::size_t b) const {
   return high - low < band_ ? gram_row(low)[high - low] : 0;
 }
 
-// Moves features that are known to be there from the unknowns into the residual.
+// Moves features that are known to be present from the unknowns into the residual.
 void ModuleNormalEquations::take_out(const std::array<std::uint8_t, kFeatures>& present) {
   for (std::size_t a = 0; a < kFeatures; ++a) {
     if (present[a] == 0) continue;
@@ -316,7 +317,7 @@ TAGSMITH_WIDE CharacterLanes costs_of_features(const Alphabet& alphabet, const f
   return costs;
 }
 
-// What a feature shares with the characters that begin `gap` features after it.
+// The overlap of a feature with the characters that begin `gap` features after it.
 TAGSMITH_WIDE CharacterLanes shared_with(const Alphabet& alphabet, const float* gram,
                                          std::size_t gap, std::size_t band) {
   CharacterLanes shared{};
@@ -329,7 +330,7 @@ TAGSMITH_WIDE CharacterLanes shared_with(const Alphabet& alphabet, const float* 
 
 using Pairs = std::array<CharacterCosts::Row, kCharacterCount>;
 
-// What each character on the left of a pair shares with all on the right: sums over its features
+// The overlap of each character on the left of a pair with all on the right: sums over its features
 // from `first` on.
 void set_shared(const Alphabet& alphabet, std::size_t first,
                 const std::array<CharacterCosts::Row, kOwnFeatures>& shared, Pairs& pair) {
@@ -345,7 +346,7 @@ void set_shared(const Alphabet& alphabet, std::size_t first,
   }
 }
 
-// How all characters at a position pull at the picture, parameter by parameter.
+// How strongly all characters at a position act on the picture's parameters, one by one.
 using LanePulls = std::array<CharacterLanes, 8>;
 
 TAGSMITH_WIDE void subtract_squares(const LanePulls& pulls, CharacterCosts::Row& alone) {
@@ -377,14 +378,14 @@ CharacterLanes ModuleNormalEquations::costs_alone(std::size_t position) const {
                            right_.data() + base);
 }
 
-// What neighbouring characters exchange: first each feature of the left one with every character at
-// `position`, then summed over the features of every left character.
+// The overlap of neighbouring characters: first each feature of the left one with every character
+// at `position`, then summed over the features of every left character.
 void ModuleNormalEquations::set_pair_costs(
     std::size_t position, std::array<CharacterCosts::Row, kCharacterCount>& pair) const {
   const std::size_t base = first_feature(position - 1);
   const std::size_t gap = first_feature(position) - base;
   if (gap >= band_ + kOwnFeatures) return;
-  const std::size_t first = gap < band_ ? 0 : gap - band_ + 1;  // features before share nothing
+  const std::size_t first = gap < band_ ? 0 : gap - band_ + 1;  // earlier features have no overlap
   std::array<CharacterCosts::Row, kOwnFeatures> pull;
   for (std::size_t j = first; j < kOwnFeatures; ++j) {
     const CharacterLanes shared =
@@ -396,7 +397,7 @@ void ModuleNormalEquations::set_pair_costs(
   set_shared(alphabet_at(position - 1), first, pull, pair);
 }
 
-// What characters that are no neighbours share, with one of the two from the reference.
+// The overlap of characters that are no neighbours, with one of the two from the reference.
 void ModuleNormalEquations::add_far_costs(const Characters& reference,
                                           CharacterCosts& costs) const {
   const auto shared = [&](std::size_t i, std::size_t c, std::size_t j, std::size_t d) {
@@ -426,8 +427,8 @@ void ModuleNormalEquations::add_far_costs(const Characters& reference,
   }
 }
 
-// What a fit of the picture to each symbol takes from its cost: the square of the pull of what
-// differs from the reference, to which the picture is fitted already.
+// How much a fit of the picture to each symbol lowers its cost: the square of the pull of the part
+// that differs from the reference, to which the picture is already fitted.
 void ModuleNormalEquations::adapt_picture(const Characters& reference,
                                           CharacterCosts& costs) const {
   static_assert(std::tuple_size_v<LanePulls> == kSlack);
@@ -470,7 +471,7 @@ CharacterCosts ModuleNormalEquations::character_costs(const Characters* referenc
   return costs;
 }
 
-// What a symbol of these characters leaves of each feature's light.
+// The rest of each feature's light that a symbol of these characters leaves.
 std::array<float, kFeatures> ModuleNormalEquations::residuals_of(
     const Characters& characters) const {
   std::array<float, kFeatures> residuals;
@@ -487,7 +488,7 @@ std::array<float, kFeatures> ModuleNormalEquations::residuals_of(
       subtract(first_feature(position) + active.feature[i]);
     }
   }
-  // take_out leaves what is taken out its own light.
+  // take_out leaves the removed features their own light.
   for (const std::size_t module : kGuardBars) {
     residuals[2 * module + 1] -= gram_row(2 * module + 1)[0];
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile as a quadratic function of what a symbol is made of.
+// A profile as a quadratic function of the parts of a symbol.
 #pragma once
 
 #include <array>
@@ -13,24 +13,24 @@
 
 namespace tagsmith::detail {
 
-// ---- Whether digits may be other ones, corrupted until they look like these.
+// ---- Whether digits may be other ones, corrupted so that they look like these.
 
 // A digit's profile as a quadratic function of the darkness of its modules. The growth of the edges
-// stays as it is: what one edge has of its own must not speak for a digit without it.
+// stays unchanged: an effect of one edge alone must not support a digit without it.
 struct DigitModules {
   static constexpr std::size_t kModules = kModulesPerDigit;
-  std::array<double, kModules> residuals{};                       // what the digit leaves
+  std::array<double, kModules> residuals{};                       // the residuals of the digit
   std::array<std::array<double, kModules>, kModules> products{};  // of the modules' light
 };
 
-// Of each of the digits, all of them of 0 to 9, the odds that it is another.
+// For each of the digits, all of them of 0 to 9, the odds that it is another.
 std::array<double, kDigitCount> odds_of_corrupted_digits(
     const std::array<DigitModules, kDigitCount>& modules, const Characters& digits);
 
 // ---- The equations.
 
 // The profile as a quadratic function of the light that each module and each edge adds: everything
-// the decoder needs to know of it for one picture of the symbol.
+// that the decoder needs to know of it for one picture of the symbol.
 class ModuleNormalEquations {
  public:
   // `light` is of these places, whatever their variances. With `slack`, the picture adapts to each
@@ -39,16 +39,16 @@ class ModuleNormalEquations {
   ModuleNormalEquations(const ScanProfile& profile, const ModuleLight& light,
                         const NuisanceCovariance& slack = {});
 
-  // With a reference, what characters share beyond their neighbours is taken from it, and the
+  // With a reference, the overlap of characters beyond their neighbours is taken from it, and the
   // picture adapts to what differs from it; without, both are left out.
   CharacterCosts character_costs(const Characters* reference = nullptr) const;
 
   // How far the profile is from the symbol of these characters, module by module: the square of the
   // residuals' projection on the light of each module, over its variance. About 1 where the
-  // profile's variances tell all that the symbol does not explain.
+  // profile's variances cover everything that the symbol does not explain.
   std::array<float, kModuleCount> misfits(const Characters& characters) const;
 
-  // Of each digit, the odds that it is another one, corrupted by anything that makes it look like
+  // For each digit, the odds that it is another one, corrupted by anything that makes it look like
   // this: modules of any darkness about that digit's, against modules that are printed and lit
   // nearly evenly, or corrupted too, about this one's.
   std::array<double, kDigitCount> odds_of_corrupted_digits(const Characters& characters) const;
@@ -73,7 +73,7 @@ class ModuleNormalEquations {
   void add_far_costs(const Characters& reference, CharacterCosts& costs) const;
   void adapt_picture(const Characters& reference, CharacterCosts& costs) const;
 
-  std::size_t band_;    // features this far apart share no light
+  std::size_t band_;    // features this far apart have no overlap
   std::size_t stride_;  // of rows of gram_: band_ or more
   float constant_ = 0;
   bool adapts_;

@@ -23,7 +23,8 @@ Edges displaced_edges(const ImagingModel& image) {
   return edges;
 }
 
-// How far from an edge, in modules, a point spread of this standard deviation lets it matter.
+// The distance from an edge, in modules, up to which a point spread of this standard deviation
+// reaches.
 float reach_of(const ImagingModel& image, float spread) {
   const double reach = (4 * image.blur + image.pixel / 2) * static_cast<double>(spread);
   return std::min(14.0F, static_cast<float>(reach + std::abs(image.growth) / 2));
@@ -66,7 +67,7 @@ std::size_t write_light(const Edges& edges, std::size_t first, float at, float r
     before = step.mean;
   }
   if (k < edges.size() && k > 0 && k > first) light[count++] = before;
-  if (k == first && k > 0 && k < edges.size()) light[count++] = 1;  // in the midst of one module
+  if (k == first && k > 0 && k < edges.size()) light[count++] = 1;  // within one module
   return count;
 }
 

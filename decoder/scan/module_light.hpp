@@ -34,7 +34,7 @@ class ModuleLight {
   const float* light(const Place& place) const { return light_.data() + place.offset; }
 
   float contrast() const { return contrast_; }
-  // Features this far apart share no light.
+  // Features this far apart have no overlap.
   std::size_t band() const { return band_; }
 
  private:

@@ -27,7 +27,7 @@ PlaceRows filled_rows(float cost);
 // darkness[i]. Reads count + kPlaceRow - 1 samples of darkness.
 PlaceRow products(const float* darkness, const float* shown, std::size_t count);
 
-// Place by place the less of both.
+// The lesser of both, place by place.
 void take_less(const PlaceRow& costs, PlaceRow& least);
 
 // least[from] = min over `to` of costs[to] + penalties[from][to], place by place.

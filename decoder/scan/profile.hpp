@@ -13,15 +13,15 @@ struct ScanBin {
   double variance = 1;  // of `darkness`
   double agreement =
       1;  // share of the bars' height that shows this darkness; the rest was left out
-  // Standard deviation of the point spread here, over that in the symbol's middle: of one blur in
-  // pixels, more modules are touched where perspective makes them narrow.
+  // Standard deviation of the point spread here, over that in the symbol's middle: one blur in
+  // pixels affects more modules where perspective makes them narrow.
   double spread = 1;
 };
 
-// The variance, in contrasts squared, of a place that says nothing.
+// The variance, in contrasts squared, of a place without information.
 inline constexpr double kHiddenVariance = 4;
 
-// Whether a place says next to nothing: it may be off by the whole contrast.
+// Whether a place contains almost no information: it may be off by the whole contrast.
 inline bool is_hidden(const ScanBin& bin) { return bin.variance > 1; }
 
 // In order of `at`; places that no pixel covers are absent.

@@ -25,8 +25,8 @@ TAGSMITH_WIDE void keep_less(float* samples, std::size_t step, std::size_t count
   }
 }
 
-// The extreme of every window, from those of its two overlapping halves, these from theirs, and so
-// on.
+// The extreme of every window, from those of its two overlapping halves, which are computed in the
+// same way.
 template <class Take>
 std::vector<float> running_extreme(const std::vector<float>& samples, std::size_t window,
                                    const Take& take) {
@@ -45,8 +45,8 @@ std::vector<float> running_extreme(const std::vector<float>& samples, std::size_
   return padded;
 }
 
-// By how much the sum over a window changes from each sample to the next: what enters less what
-// leaves, so that one addition alone waits for the one before.
+// By how much the sum over a window changes from each sample to the next: the sample that enters
+// minus the one that leaves, so that only one addition depends on the one before.
 TAGSMITH_WIDE void changes_of_sum(const float* samples, std::size_t size, std::size_t window,
                                   double* changes) {
   const std::size_t first_left = std::min(size, window + 1);

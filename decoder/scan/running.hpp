@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a window shows that slides along a line of samples. A window reaches `window` samples to
+// Values over a window that slides along a line of samples. A window reaches `window` samples to
 // both sides, at the line's ends as far as there are samples.
 #pragma once
 
@@ -15,7 +15,7 @@ std::vector<float> running_minimum(const std::vector<float>& samples, std::size_
 // The mean of the samples about each.
 std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window);
 
-// Modules to either side of a place within which a symbol most likely shows its white and its
+// Modules on either side of a place within which a symbol most likely shows its white and its
 // black: two digits of 3, 6 or 7 beside the middle guard pattern have no space wider than one
 // module, which blur darkens, for 24 modules. With 9 modules such pairs were read as 11.
 inline constexpr int kWideElementsWithin = 16;

@@ -41,7 +41,7 @@ SymbolEdges::SymbolEdges(const ImagingModel& image, const Digits& digits)
 }
 
 // Calls visit_place(i, first, last, step) for each place with the edges within its reach: from
-// `first` up to `last`. Those before `first` are passed for good.
+// `first` up to `last`. Those before `first` are not needed again.
 template <class Visit>
 void SymbolEdges::visit(const ScanPlaces& places, const Visit& visit_place) const {
   const float reach_at_middle = kReach * blur_ + pixel_ / 2;

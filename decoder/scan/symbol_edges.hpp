@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of the light at each place of a profile the bars of a symbol take.
+// The share of the light that the bars of a symbol take at each place of a profile.
 #pragma once
 
 #include <array>

@@ -32,7 +32,7 @@ ImagingModel unpack(const Parameters& p, double pixel) {
 
 using Row = Eigen::Matrix<float, kParameters, 1>;
 
-// A place's darkness: how it changes with the parameters and what is left of it, both in standard
+// A place's darkness: how it changes with the parameters, and its residual, both in standard
 // deviations.
 struct WeighedPlace {
   Row by_parameter = Row::Zero();
@@ -54,7 +54,7 @@ struct NormalEquations {
   ParameterMatrix matrix = ParameterMatrix::Zero();
   Parameters right = Parameters::Zero();
   double of_profile = 0;  // squares of the profile's residuals
-  double cost = 0;        // these and what the priors add
+  double cost = 0;        // these and the cost of the priors
 };
 
 NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {

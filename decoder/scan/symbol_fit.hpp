@@ -26,11 +26,11 @@ struct SymbolFit {
 // held near nominal by weak priors, so that no profile can bend the symbol into another one.
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start);
 
-// How a profile's bars are displaced, and how surely.
+// How a profile's bars are displaced, and with which uncertainty.
 struct SeenPlaces {
   Eigen::Vector3d displacement;  // shift, stretch and bend of an ImagingModel
   Eigen::Matrix3d covariance;    // as if all places of the profile were independent of each other
-  double correlation = 1;        // correlation_factor of what is left of them
+  double correlation = 1;        // correlation_factor of the residuals
 
   // How the place of a module changes with the displacement.
   static Eigen::RowVector3d by_displacement(double module);
@@ -39,13 +39,13 @@ struct SeenPlaces {
   }
 };
 
-// The displacement of bars that show these digits: it and the levels are free, but for a bend that
-// is held to 0 by its standard deviation (infinite: free). `start` as for fit_symbol.
+// The displacement of bars that show these digits: it and the levels are free, except for a bend
+// with a prior of 0 and its standard deviation (infinite: free). `start` as for fit_symbol.
 SeenPlaces seen_places(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
                        double bend_sigma = std::numeric_limits<double>::infinity());
 
-// What is left open of the picture of a symbol after a fit: at each place of the profile, the
-// change of the darkness by one standard deviation of eight independent combinations of the
+// The freedom that is left in the picture of a symbol after a fit: at each place of the profile,
+// the change of the darkness by one standard deviation of eight independent combinations of the
 // parameters, as the profile and the priors leave them.
 using NuisanceCovariance = std::vector<Eigen::Matrix<float, 8, 1>>;
 

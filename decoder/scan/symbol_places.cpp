@@ -74,7 +74,7 @@ std::vector<float> module_darkness(std::vector<float> darkness) {
   return modules;
 }
 
-// How badly the three guard patterns that begin at each sample suit: 1 less the correlation of
+// How badly the three guard patterns that begin at each sample suit: 1 minus the correlation of
 // their modules with the darkness, which blur lowers little. Even grey correlates with nothing.
 // With quiet zones: 00001010 at the start, 1010101 in the centre, 01010000 at the end (1 = bar).
 struct GuardCosts {
@@ -87,7 +87,7 @@ struct PatternFit {
 
   // Their covariance with the pattern, times the count.
   float product(float of_bars, float sum) const { return of_bars - bars / count * sum; }
-  // What such a product is divided by.
+  // The divisor of such a product.
   float deviations(float variance) const {
     const float share = bars / count;
     return count * std::sqrt(variance * share * (1 - share));
@@ -145,7 +145,7 @@ GuardCosts guard_costs(const std::vector<float>& modules) {
   return costs;
 }
 
-// A symbol may reach beyond the line by what its boundaries may be off.
+// A symbol may reach beyond the line by the tolerance of its boundaries.
 bool has_room(const ScanLine& line, const SymbolPlace& place) {
   const double reach = kPlacedSlack * std::abs(place.module);
   const double end = place.begin + kModuleCount * place.module;
@@ -153,7 +153,7 @@ bool has_room(const ScanLine& line, const SymbolPlace& place) {
   return std::min(place.begin, end) >= -reach && std::max(place.begin, end) <= size + reach;
 }
 
-// Where a begin suits, for one module width; in samples of the line resampled to that width.
+// The cost of a begin, for one module width; in samples of the line resampled to that width.
 std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
                                          double module) {
   const auto length =

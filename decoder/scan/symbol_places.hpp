@@ -37,7 +37,7 @@ struct PlacedLine {
   double turned_size = 0;  // samples of the line when it was turned, else 0
 };
 
-// Nothing when the place leaves no room on the line.
+// Nothing when the place does not fit on the line.
 std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place);
 
 }  // namespace tagsmith::detail

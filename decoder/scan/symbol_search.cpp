@@ -152,7 +152,7 @@ BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book) 
 
 TAGSMITH_WIDE double least_other_cost(const CharacterCosts& costs, const Characters& symbol) {
   // Least costs of the beginnings that differ from the symbol's, by their last character; and of
-  // the one that does not.
+  // the one that does not differ.
   CharacterCosts::Row other;
   for (std::size_t c = 0; c < kCharacterCount; ++c) other[c] = costs.constant + costs.alone[0][c];
   double same = other[symbol[0]];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The most likely symbols given what each character costs, and how likely all others are together.
+// The most likely symbols given the cost of each character, and how likely all others are together.
 #pragma once
 
 #include <span>
@@ -9,10 +9,10 @@
 
 namespace tagsmith::detail {
 
-// Which symbols are looked at.
+// The symbols that are considered.
 enum class SymbolClass {
   upright,      // any twelve digits
-  upside_down,  // any twelve digits of a symbol on its head
+  upside_down,  // any twelve digits of an upside-down symbol
   any,          // any twelve characters
 };
 
@@ -34,7 +34,7 @@ BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book);
 // The least cost of all symbols, of any characters, other than this one.
 double least_other_cost(const CharacterCosts& costs, const Characters& symbol);
 
-// How often a character other than the reference's is met, as far as is known beforehand.
+// How often a character other than the reference's occurs, as far as is known beforehand.
 struct CharacterWeights {
   double digit = 1;
   double foreign = 1;  // one that is no digit
