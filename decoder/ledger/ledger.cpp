@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why one file with a rollback journal, and a photo is known by its content:
+// Why there is one file with a rollback journal, and a photo is identified by its content:
 // docs/decisions/0024-ledger.md.
 #include "decoder/ledger/ledger.hpp"
 
@@ -22,12 +22,12 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
-// "tags", the number that tells a ledger from other SQLite databases.
+// "tags", the number that distinguishes a ledger from other SQLite databases.
 constexpr std::uint32_t kApplication = 0x74616773;
 constexpr std::uint32_t kVersion = 1;
 constexpr int kPatience = 60'000;  // milliseconds for which others may keep the file locked
 
-// Of docs/formats.md, where others read what the columns mean.
+// The tables of docs/formats.md, which says for other readers what the columns mean.
 constexpr const char* kTables = R"sql(
 CREATE TABLE photo (
   id INTEGER PRIMARY KEY,
@@ -87,7 +87,7 @@ tl::unexpected<Error> failure(const fs::path& path, sqlite3* database, int code)
   return fail(path.string() + ": " + in_words(database, code));
 }
 
-// One statement; places of values count from 1, columns from 0. The first failure stays.
+// One statement; places of values count from 1, columns from 0. The first failure is kept.
 class Statement {
  public:
   Statement(sqlite3* database, const char* sql) {
@@ -97,7 +97,7 @@ class Statement {
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
-  // Empty text and absent numbers are NULL, but for columns that hold no NULL.
+  // Empty text and absent numbers are NULL, except in columns that allow no NULL.
   Statement& put(const std::optional<double>& value) {
     return keep(value ? sqlite3_bind_double(statement_, ++place_, *value)
                       : sqlite3_bind_null(statement_, ++place_));
@@ -116,7 +116,7 @@ class Statement {
     if (code_ == SQLITE_OK || code_ == SQLITE_ROW) code_ = sqlite3_step(statement_);
     return code_ == SQLITE_ROW;
   }
-  // Of a statement that was stepped through.
+  // Values of a statement that was stepped through.
   int failed() const { return code_ == SQLITE_DONE || code_ == SQLITE_ROW ? SQLITE_OK : code_; }
 
   std::string text(int column) const {
@@ -145,7 +145,7 @@ int execute(sqlite3* database, const char* sql) {
   return sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
 }
 
-// What is done from here on is done when commit() returns SQLITE_OK, else not at all.
+// The changes from here on are made when commit() returns SQLITE_OK, else none of them.
 class Transaction {
  public:
   explicit Transaction(sqlite3* database)
@@ -186,7 +186,7 @@ Result<void> check_is_ledger(const fs::path& path) {
   std::string header(100, '\0');
   stream.read(header.data(), static_cast<std::streamsize>(header.size()));
   header.resize(static_cast<std::size_t>(stream.gcount()));
-  if (header.empty()) return {};  // as a process leaves it that was killed when it made the ledger
+  if (header.empty()) return {};  // left by a process that was killed when it created the ledger
   Bytes bytes(header, true);
   const std::uint32_t version = bytes.number(60, 4);
   const bool is_ledger = bytes.number(68, 4) == kApplication;
@@ -197,13 +197,13 @@ Result<void> check_is_ledger(const fs::path& path) {
 }
 
 // A photo as its line of `verify --json` says it, with that line's rounded numbers; and the line's
-// hash, by which a result is known again, whatever the files are called.
+// hash, which identifies a result, whatever the files are called.
 struct PhotoLine {
   VerifiedFile file;
   std::string result;
 };
 
-// Nothing of print files and of files that could not be read.
+// Nothing for print files and for files that could not be read.
 std::optional<PhotoLine> line_of(const VerifiedFile& verified) {
   if (!verified.is_photo() || verified.sha256.empty()) return std::nullopt;
   std::optional<VerifiedFile> file = verified_file_from(to_json_line(verified));
@@ -271,12 +271,12 @@ Result<Ledger> Ledger::open(const fs::path& path, int flags) {
   if (auto checked = check_is_ledger(path); !checked) return tl::unexpected(checked.error());
   sqlite3* opened = nullptr;
   std::error_code failed;
-  // By its whole path: SQLite has names that mean something else, as `:memory:`.
+  // By its whole path: SQLite gives some names another meaning, as `:memory:`.
   const int code = sqlite3_open_v2(fs::absolute(path, failed).c_str(), &opened, flags, nullptr);
   Ledger ledger(path, std::shared_ptr<sqlite3>(opened, sqlite3_close));
   if (code != SQLITE_OK) return failure(path, opened, code);
   sqlite3_busy_timeout(opened, kPatience);
-  // Whoever gives away a ledger gives data, no programs.
+  // A ledger that is passed on must contain data, no programs.
   sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(opened, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
   sqlite3_db_config(opened, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
@@ -300,7 +300,7 @@ Result<Ledger> Ledger::open_to_read(const fs::path& path) {
   if (!fs::exists(path, ignored) || fs::file_size(path, ignored) == 0) {
     return fail(path.string() + ": holds no ledger, make one with `tagsmith verify --ledger`");
   }
-  // What a process that was killed left half done is taken back, which needs writing.
+  // Changes of a killed process that are incomplete are rolled back, which needs writing.
   return open(path, SQLITE_OPEN_READWRITE);
 }
 
@@ -326,9 +326,9 @@ struct Ledger::StoredPhoto {
   std::string result;
   std::string taken;
   std::string revision;
-  bool judged = false;  // for where its plates hang
+  bool judged = false;  // whether it was judged where its plates hang
 
-  // Whether this result says nothing that is not there, or less.
+  // Whether this result says nothing that the present one does not, or less.
   bool stands_for(const VerifiedFile& file, const std::string& result_of_file) const {
     const bool judges =
         std::ranges::any_of(file.tags, [](const VerifiedTag& tag) { return tag.hung.has_value(); });
@@ -406,7 +406,7 @@ Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const Ver
   Transaction transaction(database);
   if (transaction.begun() != SQLITE_OK) return failure(path_, database, transaction.begun());
   for (const auto& [file, result] : unknown) {
-    // Asked again, because another process may have entered it since.
+    // Checked again, because another process may have entered it since.
     const auto entered = enter_one(survey, file, result, tally);
     if (!entered) return tl::unexpected(entered.error());
   }

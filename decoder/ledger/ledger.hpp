@@ -20,7 +20,7 @@ struct sqlite3;
 
 namespace tagsmith::detail {
 
-// What wear and dirt change of a symbol, in the order of the ledger's columns.
+// The measures of a symbol that wear and dirt change, in the order of the ledger's columns.
 inline constexpr std::array kWearParameters{GradeParameter::symbol_contrast,
                                             GradeParameter::modulation,
                                             GradeParameter::decodability, GradeParameter::defects};
@@ -50,10 +50,10 @@ struct LedgerCounts {
   std::size_t other_revisions = 0;  // verified against another state of the survey
 };
 
-// No photo of our plates is older (ISO 8601): the clock of a camera that says so was reset.
+// No photo of our plates is older (ISO 8601): a camera that says so had its clock reset.
 inline constexpr std::string_view kFirstPhotos = "2017-01-01";
 
-// What became of photos' results that were to be entered.
+// What was done with the photos' results that were to be entered.
 struct LedgerTally {
   std::size_t added = 0;
   std::size_t replaced = 0;  // the photo was there with another result
@@ -72,10 +72,10 @@ class Ledger {
   // Fails when there is no ledger.
   static Result<Ledger> open_to_read(const std::filesystem::path& path);
 
-  // Photos with their plates, all in one transaction, which is on the disk when this returns. Print
-  // files, and files that could not be read, are left out. A result that says less than the one
-  // that is there, without a date or without a judgement of where plates hang, does not replace it.
-  // Other processes may write at the same time.
+  // Enters photos with their plates, all in one transaction, which is on the disk when this
+  // returns. Print files, and files that could not be read, are left out. A result that says less
+  // than the present one, without a date or without a judgement of where plates hang, does not
+  // replace it. Other processes may write at the same time.
   Result<LedgerTally> enter(const std::string& survey, std::span<const VerifiedFile> files);
 
   // `last`: the day after which a photo cannot have been taken, as 2026-03-31; `revision`: of the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the ledger's photos say of one plate: how it fares, and what is to be done about it.
+// What the ledger's photos show of one plate: its condition, and what must be done about it.
 #pragma once
 
 #include <chrono>
@@ -15,17 +15,17 @@
 
 namespace tagsmith::detail {
 
-// ---- A straight line through what was measured day by day, and when it falls to a limit.
+// ---- A straight line through the daily measurements, and when it falls to a limit.
 
 struct TrendPoint {
   double day = 0;
   double value = 0;
 };
 
-// Fewer days show no trend: two points are on a line whatever they are.
+// Fewer days show no trend: two points are always on a line.
 inline constexpr std::size_t kLeastTrendDays = 3;
 
-// Of the intervals that are stated: they hold the true day so often.
+// For the intervals that are stated: the share of them that hold the true day.
 inline constexpr double kTrendConfidence = 0.80;
 
 // The least-squares line.
@@ -48,7 +48,7 @@ std::optional<Trend> fit_trend(const std::vector<TrendPoint>& points);
 // When a line that falls is at the limit, not before the trend's last day; and the interval that
 // holds the true day with kTrendConfidence.
 struct Crossing {
-  std::optional<double> expected;  // nothing of a line that does not fall
+  std::optional<double> expected;  // nothing for a line that does not fall
   std::optional<double> earliest;  // nothing = never
   std::optional<double> latest;    // nothing = perhaps never
 };
@@ -92,8 +92,8 @@ struct SeenFault {
 struct PlateDay {
   std::size_t photos = 0;
   bool in_order = false;
-  bool placed = false;    // in order in a photo that told where it hangs
-  bool up_known = false;  // in order in a photo that told which way is up
+  bool placed = false;    // in order in a photo that showed where it hangs
+  bool up_known = false;  // in order in a photo whose up is known
   double module_px = 0;   // the widest in a photo in which it was in order
   long last_entry = 0;    // of the photos (PlateSighting::entry)
   std::vector<WearSample> samples;
@@ -104,8 +104,8 @@ struct PlateDay {
 struct PlateHistory {
   std::size_t photos = 0;
   std::size_t undated = 0;
-  // All photos that say no day. Their faults are open until a photo that was entered later, and
-  // that says its day, shows the plate in order.
+  // All photos without a date. Their faults are open until a photo that was entered later, and that
+  // has a date, shows the plate in order.
   PlateDay without_day;
   std::map<Day, PlateDay> days;
 };
@@ -114,7 +114,7 @@ struct PlateHistory {
 // kFirstPhotos, was taken with a wrong clock and counts as undated.
 void add(const PlateSighting& seen, Day last, PlateHistory& history);
 
-// The best of a day: what lowers a grade beyond the plate's own is the photo's.
+// The best of a day: what lowers a grade below the plate's own is caused by the photo.
 struct PlateQuality {
   Day day;
   double grade = 0;
@@ -129,14 +129,14 @@ struct PlateDue {
   double limit = 0;
   bool is_past = false;  // on the last day it was beyond it
   Day not_before{};
-  std::optional<Day> expected{};   // nothing = beyond what the trend can tell
+  std::optional<Day> expected{};   // nothing = beyond the range of the trend
   std::optional<Day> not_after{};  // nothing = perhaps never
 };
 
 struct MendedFault {
   std::string tag;
   std::string rule;               // of docs/verify-rules.md; empty = the print's quality
-  std::optional<Day> last_found;  // nothing = in photos that say no day
+  std::optional<Day> last_found;  // nothing = in photos without a date
   Day in_order;
 };
 
@@ -144,17 +144,17 @@ struct PlateState {
   std::string tag;
   PlateAction action = PlateAction::none;
   std::string reason;                // why, in words; empty without an action
-  std::optional<PlateAction> cure;   // of what is to be planned
+  std::optional<PlateAction> cure;   // for what must be planned
   std::vector<PlateQuality> series;  // since it was last mended
   std::optional<PlateDue> due;       // nothing = no trend yet
   std::vector<MendedFault> mended;
   std::optional<Day> last_seen;  // in order
   std::size_t photos = 0;
   std::size_t undated = 0;
-  std::optional<std::array<double, 3>> offset_mm;  // of the last day that says it
+  std::optional<std::array<double, 3>> offset_mm;  // from the last day that has it
 };
 
-// By the plate's own photos. `newest`: the day of the newest photo of all plates.
+// From the plate's own photos. `newest`: the day of the newest photo of all plates.
 PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day newest);
 
 // ---- What the ledger says of all plates of a survey.
@@ -170,17 +170,18 @@ struct LedgerReport {
   std::size_t nameless = 0;
   std::size_t losing_light = 0;  // of these, by contrast or modulation on their way to the limit
 
-  // Plates do not get dirty all at once: then it is a lens, its focus, a lamp, or dust in the air.
+  // Plates do not all get dirty at the same time: then it is a lens, its focus, a lamp, or dust in
+  // the air.
   bool blames_camera() const { return trends >= 5 && 2 * losing_light > trends; }
 };
 
 // What to do when the report blames the camera, in words.
 std::string camera_in_words(const LedgerReport& report);
 
-// No photo can have been taken after the day `last`: those that are dated so count as undated.
+// No photo can have been taken after the day `last`: photos with a later date count as undated.
 Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger, Day last);
 
-// The survey's plates for which this is to be done, in the survey's order.
+// The survey's plates for which this must be done, in the survey's order.
 std::vector<std::string> plates_to(PlateAction action, const Survey& survey,
                                    const LedgerReport& report);
 
