@@ -15,11 +15,11 @@
 namespace tagsmith::detail {
 namespace {
 
-// A deviation of so many standard deviations is none of chance, among some hundred tests.
+// A deviation of so many standard deviations is no coincidence, among some hundred tests.
 constexpr double kSure = 4;
 
 // Tilts below this change the picture's perspective so little that focal length and distance are
-// told apart three times worse than at 40 degrees.
+// separated three times worse than at 40 degrees.
 constexpr double kLeastTilt = radians(20);
 
 struct Case {
@@ -32,7 +32,7 @@ struct Case {
 
   double refused_ray_px() const { return limits.refused_ray * calibration.camera.width; }
 
-  // Whether rays or focal length are worse than they should be, and how bad that is.
+  // Whether rays or focal length are more uncertain than they should be, and how bad that is.
   CalibrationTrust precision() const {
     const double worst = grid.worst_sigma_px();
     if (focal_sigma > limits.refused_focal || worst > refused_ray_px()) {
@@ -109,7 +109,7 @@ std::string listed(const std::vector<std::size_t>& cells) {
   return text;
 }
 
-// Cells without corners whose rays are worse than they should be.
+// Cells without corners whose rays are more uncertain than they should be.
 void find_uncovered(const Case& c, Findings& findings) {
   std::vector<std::size_t> cells;
   double worst = 0;
@@ -133,7 +133,7 @@ void find_too_few(const Case& c, Findings& findings) {
   const std::size_t used = photos_used(c.calibration);
   const CalibrationTrust precision = c.precision();
   if (used >= kEnough || (precision == CalibrationTrust::good && used >= 3)) return;
-  // Two photos leave nothing over by which a bent board or another zoom would show.
+  // Two photos leave no redundancy that would show a bent board or another zoom.
   const auto trust = used < 3 ? CalibrationTrust::refused : CalibrationTrust::good;
   findings.push_back(finding(CalibrationIssue::too_few_photos, trust, static_cast<double>(used),
                              kEnough, fmt::format("{} photos were used, expected 10 or more", used),
@@ -177,7 +177,7 @@ double usual_misfit(const CameraCalibration& calibration) {
   return all.empty() ? 1 : std::max(1.0, quantile(all, 0.5));
 }
 
-// Where many photos have other focal lengths, there is no camera to speak of.
+// Where many photos have other focal lengths, there is no single camera.
 CalibrationTrust trust_in_zoomed(const CameraCalibration& calibration) {
   constexpr double kMost = 1.0 / 3;
   const auto zoomed =
@@ -199,7 +199,7 @@ void find_zoomed(const Case& c, const CalibratedSighting& sighting, Findings& fi
   findings.back().view = sighting.view;
 }
 
-// Photos that do not fit, and those that would have another focal length.
+// Photos that do not fit, and those that would fit with another focal length.
 void find_bad_photos(const Case& c, Findings& findings) {
   constexpr double kWorse = 1.5;  // than the median photo, in standard deviations
   const double usual = usual_misfit(c.calibration);
@@ -223,8 +223,8 @@ void find_bad_photos(const Case& c, Findings& findings) {
   }
 }
 
-// Photos of two cameras of a kind, or of a lens that moves by a little: each photo fits a camera of
-// its own better than chance lets it.
+// Photos of two cameras of one model, or of a lens that moves slightly: each photo fits a separate
+// camera better than chance allows.
 void find_differing(const Case& c, Findings& findings) {
   const CameraScatter scatter = camera_scatter(c.calibration.sightings);
   const double limit = chi_square_limit(std::max(1, scatter.degrees), kSure);
@@ -242,10 +242,10 @@ void find_differing(const Case& c, Findings& findings) {
       "the board does not bend, and take the photos again"));
 }
 
-// Where many photos are left out, none of them may be the wrong ones.
+// Where many photos are left out, the wrong ones may be among the rest.
 void find_left_out(const Case& c, Findings& findings) {
   constexpr double kMany = 0.05;
-  constexpr double kMost = 1.0 / 3;  // of the tags: more, and the rest is no sound majority
+  constexpr double kMost = 1.0 / 3;  // of the tags: with more, the rest is no reliable majority
   const auto& residuals = c.calibration.residuals;
   const auto out = static_cast<double>(
       std::ranges::count_if(residuals, [](const TagResidual& tag) { return !tag.used; }));
@@ -275,7 +275,7 @@ void find_large_residuals(const Case& c, Findings& findings) {
 
 void find_bow(const Case& c, std::size_t index, Findings& findings) {
   constexpr double kNoticed = 0.001;  // of the longer side: 0.3 mm of A4
-  constexpr double kMuch = 0.005;     // beyond, a sheet is not bent by a plain curve alone
+  constexpr double kMuch = 0.005;     // above it, a sheet is not bent by a plain curve alone
   const CalibratedBoard& board = c.calibration.boards[index];
   Eigen::Index place = 0;
   const double bow = board.shape.bow.cwiseAbs().maxCoeff(&place);
@@ -289,7 +289,7 @@ void find_bow(const Case& c, std::size_t index, Findings& findings) {
   findings.back().board = index;
 }
 
-// By what the photos alone say of the stretch: the prior's share is taken out.
+// The stretch from the photos alone: the prior's share is removed.
 void find_stretch(const Case& c, std::size_t index, Findings& findings) {
   const CalibratedBoard& board = c.calibration.boards[index];
   const double prior = std::sqrt(2.0) * c.boards[index].scale_sigma;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether photos suffice for a calibration that one can trust, and what to do where they do not.
+// Whether photos are enough for a calibration that one can trust, and what to do where they are
+// not.
 #pragma once
 
 #include <cstddef>
@@ -29,10 +30,10 @@ enum class CalibrationIssue {
   residuals_larger,   // measured: the sigma factor
 };
 
-// What an issue makes of the calibration.
+// The effect of an issue on the calibration.
 enum class CalibrationTrust {
   good,     // advice alone
-  weak,     // usable within the covariance stated, and worse than a calibration should be
+  weak,     // usable within the covariance stated, but worse than a calibration should be
   refused,  // not to be used
 };
 
@@ -43,7 +44,7 @@ struct CalibrationFinding {
   CalibrationIssue issue = CalibrationIssue::focal_unknown;
   CalibrationTrust trust = CalibrationTrust::good;
   double measured = 0;
-  double limit = 0;  // what it should be within
+  double limit = 0;  // the limit for it
   std::optional<std::size_t> view{};
   std::optional<std::size_t> board{};
   std::vector<std::size_t> cells{};  // of RayGrid, that are not covered
@@ -54,10 +55,10 @@ struct CalibrationFinding {
 // Limits, each with its reason.
 struct CalibrationLimits {
   // A focal length from a data sheet is known to 2 %, a principal point to 1 % of the width
-  // (docs/decisions/0020-unstated-is-not-exact.md): a calibration that does not halve that is none.
+  // (docs/decisions/0020-unstated-is-not-exact.md): a calibration must at least halve that.
   double refused_focal = 0.01;
   double refused_ray = 0.005;  // of the picture's width
-  // What localization takes a calibration file for when it states nothing (ibid.).
+  // What localization assumes for a calibration file that states nothing (ibid.).
   double weak_focal = 0.001;
   double weak_ray_px = 1;
 };
@@ -69,8 +70,8 @@ struct CalibrationAssessment {
   double focal_sigma = 0;  // relative
 };
 
-// The verdict rests on the sigmas of rays and focal length; what is missing (tilt, corners, photos)
-// is named as their remedy. Whatever contradicts is named besides.
+// The verdict is based on the sigmas of rays and focal length; what is missing (tilt, corners,
+// photos) is named as their remedy. All contradictions are named in addition.
 CalibrationAssessment assess_calibration(const CameraCalibration& calibration,
                                          std::span<const BoardView> views,
                                          std::span<const Board> boards,

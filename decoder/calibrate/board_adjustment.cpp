@@ -39,7 +39,7 @@ Matrix3d across(const Vector3d& v) {
 
 // --- one tag ---
 
-// Which way ink grows over the inner corners P, F, lower right, Q.
+// The direction in which ink grows over the inner corners P, F, lower right, Q.
 Vector2d inward(std::size_t corner) {
   return {corner == 0 || corner == 3 ? 1.0 : -1.0, corner < 2 ? 1.0 : -1.0};
 }
@@ -64,8 +64,8 @@ ShapedPoint shaped(const BoardPlane& plane, const BoardShape& shape, const Vecto
   return result;
 }
 
-// How a corner moves when both sides that meet there move outward: by one pixel, and by one over
-// the pixels that their strokes are thick.
+// How a corner moves when both sides that meet there move outward: by one pixel, and by one divided
+// by the thickness of their strokes in pixels.
 struct EdgeMotion {
   Vector2d by_edge;
   Vector2d by_thin_stroke;
@@ -91,7 +91,7 @@ EdgeMotion edge_motion(const Vector2d& right, const Vector2d& down, double strok
   return {by_sides * out, by_sides * out.cwiseProduct(per_stroke)};
 }
 
-// Predicted less seen, and its derivatives by the sighting's own parameters, the camera's and the
+// Predicted minus seen, and its derivatives by the sighting's own parameters, the camera's and the
 // shape's; not whitened.
 struct TagRows {
   CornerPixels residual;
@@ -127,7 +127,7 @@ std::optional<TagRows> tag_rows(const Camera& camera, const BoardPlane& plane,
 
 // --- one linearisation ---
 
-// A sighting's normal equations. Columns: its own, and the shared ones that it takes part in.
+// A sighting's normal equations. Columns: its own, and the shared ones that it depends on.
 struct SightingNormal {
   SightingMatrix own = SightingMatrix::Zero();
   OwnByShared cross;
@@ -222,7 +222,7 @@ class Adjuster {
 
   const std::vector<SightingNormal>& normals() const { return normals_; }
 
-  // Columns of the shared parameters that sightings of this board take part in.
+  // Columns of the shared parameters that sightings of this board depend on.
   std::vector<Index> columns_of(std::size_t board) const {
     std::vector<Index> columns;
     for (Index i = 0; i < basis_.cols(); ++i) columns.push_back(i);
@@ -399,7 +399,7 @@ std::optional<MatrixXd> inverse_of(const MatrixXd& matrix) {
   return MatrixXd(scale.asDiagonal() * *inverse * scale.asDiagonal());
 }
 
-// One sighting with a camera of its own, its pose going along.
+// One sighting with a separate camera, its pose adapting.
 OwnCamera own_camera(const Adjuster& adjuster, const CalibrationProblem& problem,
                      const CalibrationState& state, std::size_t index) {
   using Three = Eigen::Matrix<double, 8, 3>;  // by focal length, cx, cy
@@ -428,7 +428,7 @@ OwnCamera own_camera(const Adjuster& adjuster, const CalibrationProblem& problem
     own.focal_change = -right[0] / left(0, 0);
     own.focal_sigma = 1 / std::sqrt(left(0, 0));
   }
-  // In units in which the diagonal is 1: what the photo does not tell has no part in it.
+  // In units in which the diagonal is 1: what the photo does not determine has no effect.
   const Vector3d scale = left.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
   const PrincipalAxes axes = principal_axes(scale.asDiagonal() * left * scale.asDiagonal());
   const Vector3d along = axes.vectors.transpose() * scale.cwiseProduct(right);
@@ -534,7 +534,7 @@ CalibrationFit adjust_calibration(const CalibrationProblem& problem, const Calib
                                   const AdjustmentOptions& options) {
   constexpr double kConverged = 1e-7;  // of the cost: hundredths of a standard deviation
   constexpr double kMostDamping = 1e8;
-  constexpr double kFree = 0.01;  // damping that leaves a step all but as long as it would be
+  constexpr double kFree = 0.01;  // damping that leaves a step almost unshortened
   Adjuster adjuster(problem, options, start);
   CalibrationFit fit{start, adjuster.cost(start)};
   double damping = 1e-3;
@@ -545,14 +545,14 @@ CalibrationFit adjust_calibration(const CalibrationProblem& problem, const Calib
       const double cost = next ? adjuster.cost(*next) : std::numeric_limits<double>::infinity();
       better = cost <= fit.cost;
       if (better) {
-        // A short step along the border of what the lens can see is not the end.
+        // A short step along the border of what the lens can see does not mean convergence.
         fit.converged = damping < kFree && fit.cost - cost < kConverged * fit.cost + 1e-9;
         fit.cost = cost;
         fit.state = *next;
         damping = std::max(damping / 10, 1e-12);
       } else {
         damping *= 10;
-        fit.converged = damping > kMostDamping;  // no step is better: rounding is all that is left
+        fit.converged = damping > kMostDamping;  // no step is better: only rounding is left
       }
     }
   }

@@ -3,8 +3,8 @@
 // board in each photo, fitted at once to all corners, each tag weighted by its covariance.
 //
 // Poses are eliminated sighting by sighting (Triggs et al. 2000, "Bundle Adjustment - A Modern
-// Synthesis", 6.1); what is left is a dense system of some twenty unknowns, for which Eigen
-// suffices: docs/decisions/0021-camera-calibration.md.
+// Synthesis", 6.1); what is left is a dense system of some twenty unknowns, for which Eigen is
+// sufficient: docs/decisions/0021-camera-calibration.md.
 #pragma once
 
 #include <array>
@@ -57,21 +57,21 @@ struct CalibrationProblem {
 CalibrationProblem calibration_problem(std::span<const BoardView> views,
                                        std::span<const Board> boards);
 
-// How a board differs from its drawing, and its frames' pictures from them.
+// How a board differs from its drawing, and its frames' images from their drawing.
 struct BoardShape {
   double stretch = 0;  // its width over its height, relative to the drawing's
   double growth = 0;   // of the ink outward of the frames' strokes, metres
-  // Out of its plane, away from who faces it: z = bow[0] x^2 + bow[1] y^2 + bow[2] x y metres, x
-  // and y from the middle in half sizes of the board.
+  // Out of its plane, away from a viewer who faces it: z = bow[0] x^2 + bow[1] y^2 + bow[2] x y
+  // metres, x and y from the middle in half sizes of the board.
   Eigen::Vector3d bow = Eigen::Vector3d::Zero();
-  // Sharpening moves the sides of a thin stroke otherwise than those of a thick one: a side whose
+  // Sharpening moves the sides of a thin stroke differently from those of a thick one: a side whose
   // stroke is w pixels thick lies thin_stroke / w pixels further outward; pixels^2.
   double thin_stroke = 0;
 };
 
 inline constexpr Eigen::Index kShapeParameters = 6;  // stretch, growth, bow, thin_stroke
 
-// What is usual of these: the standard deviations that they are fitted with. The stretch follows
+// Usual values of these: the standard deviations that they are fitted with. The stretch follows
 // from the board's scale_sigma. Ink grows by some hundredths of a millimetre, 0.1 on poor paper;
 // the bow of half a percent of a side is that of a sheet that is taped to a wall; strong sharpening
 // moves the sides of a stroke of 2.5 pixels by 0.15 pixels less than those of thick ones.
@@ -88,8 +88,8 @@ struct SightingState {
   double edge_px = 0;
 };
 
-// Standard deviation of edge_px before anything is measured: it is that of an endlessly thick
-// stroke, up to 0.7 pixels where strokes as they are move by 0.13.
+// Standard deviation of edge_px before anything is measured: it is that of an infinitely thick
+// stroke, up to 0.7 pixels where strokes of usual thickness move by 0.13.
 inline constexpr double kEdgeSigma = 1;
 
 struct CalibrationState {
@@ -100,9 +100,9 @@ struct CalibrationState {
 
 struct AdjustmentOptions {
   CameraForm form;
-  bool camera_free = true;  // else poses alone are fitted
+  bool camera_free = true;  // else only poses are fitted
   bool shapes_free = true;
-  // Residuals are divided by this besides their covariance: large at a rough start.
+  // Residuals are divided by this in addition to their covariance: large at a rough start.
   double scale = 1;
   // Beyond so many standard deviations a tag counts linearly (Huber 1964); 0 = all count squared.
   double huber = 0;
@@ -120,12 +120,12 @@ struct CalibrationFit {
 CalibrationFit adjust_calibration(const CalibrationProblem& problem, const CalibrationState& start,
                                   const AdjustmentOptions& options);
 
-// Residuals of one tag: seen less predicted, pixels; nothing where it cannot be seen from there.
+// Residuals of one tag: seen minus predicted, pixels; nothing where it cannot be seen from there.
 std::optional<CornerPixels> residual_of(const CalibrationProblem& problem,
                                         const CalibrationState& state, std::size_t sighting,
                                         const TagObservation& tag);
 
-// How far the sides of the sighting's frames lie outward of where they were drawn, in the mean:
+// How far, as a mean, the sides of the sighting's frames lie outward of where they were drawn:
 // sharpening, tone curve and growth of the ink together, pixels.
 double mean_edge(const CalibrationProblem& problem, const CalibrationState& state,
                  std::size_t sighting);
@@ -134,18 +134,18 @@ double mean_edge(const CalibrationProblem& problem, const CalibrationState& stat
 double tag_chi_square(const CalibrationProblem& problem, const CalibrationState& state,
                       std::size_t sighting, const TagObservation& tag);
 
-// A sighting by itself with a camera of its own, the other parameters as they are.
+// One sighting with a separate camera, the other parameters unchanged.
 struct OwnCamera {
-  // Relative change of the focal length alone, and how well it is told; sigma 0 = not told.
+  // Relative change of the focal length alone, and its sigma; sigma 0 = not determined.
   double focal_change = 0;
   double focal_sigma = 0;
-  // Of focal length and principal point together: by how much an own camera would lower the
-  // sighting's chi-square, and how many of the three it tells.
+  // For focal length and principal point together: by how much a separate camera would lower the
+  // sighting's chi-square, and how many of the three it determines.
   double chi_square = 0;
   int degrees = 0;
 };
 
-// What a finished fit says of its own errors, by the covariances stated.
+// The errors of a finished fit, from the covariances stated.
 struct CalibrationPrecision {
   // Of the free parameters of the form, then kShapeParameters for each board.
   Eigen::MatrixXd shared;

@@ -16,7 +16,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// Which board's which tag a code is.
+// The board and the tag that a code belongs to.
 using TagsByCode = std::map<Digits, std::pair<std::size_t, std::size_t>>;
 
 TagsByCode tags_by_code(std::span<const Board> boards) {
@@ -56,8 +56,9 @@ bool is_same_tag(const SeenBoardTag& a, const SeenBoardTag& b) {
   return a.board == b.board && a.tag == b.tag;
 }
 
-// A code that is read twice is of no board: at least one of the two is a copy or a reflection.
-// Where several are, there is another print of the board, and others of its tags may be among the
+// A code that is read twice counts for no board: at least one of the two is a copy or a reflection.
+// Where there are several, there is another print of the board, and others of its tags may be among
+// those that are read once.
 // ones that are read once.
 void take_tags(const ReadResult& result, std::span<const Board> boards, BoardView& view) {
   const TagsByCode tags = tags_by_code(boards);
@@ -111,8 +112,8 @@ std::vector<const SeenBoardTag*> tags_of(const BoardView& view, std::size_t boar
   return tags;
 }
 
-// Whether the board's tags lie the other way round than on the board: by the affine map that fits
-// their middles best. No lens turns it over. Fewer than three tags, or tags in a row, do not tell.
+// Whether the board's tags are mirrored compared with the board: by the affine map that fits their
+// middles best. No lens mirrors them. Fewer than three tags, or tags in a row, do not show it.
 bool is_mirrored(const BoardView& view, std::size_t board, const Board& on) {
   const std::vector<const SeenBoardTag*> seen = tags_of(view, board);
   const auto count = static_cast<Eigen::Index>(seen.size());
@@ -132,8 +133,8 @@ bool is_mirrored(const BoardView& view, std::size_t board, const Board& on) {
   return (spread.inverse() * places.transpose() * pixels).determinant() < 0;
 }
 
-// Whether two photos show the boards from one place: each board that either shows, in both. A hand,
-// or a board in it, moves by more.
+// Whether two photos show the boards from one place: each board that either shows, in both. A
+// camera or board in the hand moves by more.
 bool shows_the_same(const BoardView& a, const BoardView& b, std::size_t boards) {
   constexpr double kSame = 0.3;  // pixels, root mean square
   bool any = false;
@@ -158,7 +159,7 @@ bool shows_the_same(const BoardView& a, const BoardView& b, std::size_t boards) 
 // A tag's inner corners in the photo; nothing where one is out of it, or the tag too small.
 std::optional<FrameCorners> expected_corners(const BoardGuess& guess, const PlacedBoard& placed,
                                              const Board& board, const BoardTag& tag) {
-  constexpr double kLeastModule = 0.4;  // pixels; below, the reader does not read
+  constexpr double kLeastModule = 0.4;  // pixels; the reader cannot read smaller ones
   FrameCorners corners{};
   const std::array<PlatePoint, 4> on_board = corners_of(board, tag);
   for (std::size_t i = 0; i < corners.size(); ++i) {

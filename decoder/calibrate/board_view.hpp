@@ -35,7 +35,7 @@ struct BoardView {
   int width = 0;  // pixels
   int height = 0;
   std::vector<SeenBoardTag> tags;  // each tag once at most
-  std::string objection{};         // why nothing of it is used, and then it has no tags
+  std::string objection{};         // why nothing of it is used; then it has no tags
 };
 
 // Where a board is, as a first solution has it.
@@ -50,7 +50,7 @@ struct BoardGuess {
   std::vector<PlacedBoard> boards;
 };
 
-// Fails where two boards have a tag of the same code: they were made with the same serial.
+// Fails where two boards have a tag of the same code: they were made with the same serial number.
 Result<void> check_boards(std::span<const Board> boards);
 
 // Searches the whole photo for the boards' tags. `file` names it. Boards that check_boards accepts.
@@ -61,10 +61,10 @@ BoardView read_board_view(const GrayView& image, std::string file, std::span<con
 // tags and get an objection. `views` are as read first.
 void object_to_views(std::span<const Board> boards, std::vector<BoardView>& views);
 
-// Reads it again knowing about where everything is: corners are fitted through the lens, and tags
-// that the search missed (small, oblique, strongly bent) are looked for where they must be. What
-// was in `first` and is not found now stays as it was; so does all of it where the guess's camera
-// has another size, or the photo does not count.
+// Reads it again when the places of everything are known: corners are fitted through the lens, and
+// tags that the search missed (small, oblique, strongly bent) are looked for where they must be. A
+// tag that was in `first` and is not found now stays unchanged; so do all of them where the guess's
+// camera has another size, or the photo does not count.
 BoardView read_board_view_again(const GrayView& image, const BoardView& first,
                                 std::span<const Board> boards, const BoardGuess& guess);
 

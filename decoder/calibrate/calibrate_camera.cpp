@@ -24,9 +24,9 @@ using Eigen::Vector2d;
 constexpr int kResiduals = 8;               // of a tag
 constexpr double kMedianChiSquare = 7.344;  // of eight degrees of freedom
 
-// --- what does not fit ---
+// --- misfits ---
 
-// How much larger residuals are than stated, by the median tag; at least 1.
+// By how much residuals are larger than stated, by the median tag; at least 1.
 double robust_factor(const CalibrationProblem& problem, const CalibrationState& state) {
   std::vector<double> chi_squares;
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
@@ -86,7 +86,7 @@ double median_chi_square(const CalibrationProblem& problem, const CalibrationSta
 }
 
 // Marks the sightings whose median tag is off three times as far as that of the median sighting, in
-// standard deviations: no noise of a photo makes that, a moved board or another focus does.
+// standard deviations: no noise of a photo is so large, but a moved board or another focus is.
 bool mark_sightings(CalibrationProblem& problem, const CalibrationState& state) {
   constexpr double kWorse = 3;
   std::vector<double> medians;
@@ -119,8 +119,8 @@ struct RobustFit {
   std::size_t parameters = 0;  // of the lens form
 };
 
-// Chi-square of all tags, residuals so much larger than stated, a misfit as the least misfit, and
-// twice the number of parameters (Akaike 1974).
+// Chi-square of all tags, with residuals so much larger than stated, a misfit counted as the least
+// misfit, plus twice the number of parameters (Akaike 1974).
 double akaike_cost(const RobustFit& fit, double factor) {
   const double most = outlier_limit(count_tags(fit.problem));
   double cost = 2.0 * static_cast<double>(fit.parameters);
@@ -133,8 +133,8 @@ double akaike_cost(const RobustFit& fit, double factor) {
   return cost;
 }
 
-// By tags counted linearly beyond three standard deviations, in steps of what the median tag says
-// that a standard deviation is.
+// With tags that count linearly beyond three standard deviations, in steps: the median tag gives
+// the standard deviation each time.
 RobustFit robust_fit(const CalibrationProblem& problem, const CalibrationState& start,
                      const LensForm& lens) {
   constexpr double kHuber = 3 * 2.8;  // eight residuals have the length 2.8
@@ -215,14 +215,14 @@ struct BestFits {
 };
 
 BestFits best_fits(const CalibrationProblem& problem) {
-  constexpr double kComparable = 1.5;  // of residuals: the form that wins is never so far off
+  constexpr double kComparable = 1.5;  // of residuals: the best form is never so far off
   const auto perspective = lens_forms(LensModel::perspective);
   const auto fit_from_grid = [&](LensModel lens, const LensForm& form) {
     return robust_fit(problem, start_calibration(problem, lens), form);
   };
   // Fisheye, perspective; then the eight-parameter form, which may bend where no corner is, from
   // where they ended. It counts where no other form explains as much: tags near the border of a
-  // wide picture may contradict all forms but this one.
+  // wide picture may contradict all other forms.
   std::vector<RobustFit> fits{fit_from_grid(LensModel::fisheye, lens_forms(LensModel::fisheye)[2]),
                               fit_from_grid(LensModel::perspective, perspective[4])};
   fits.push_back(robust_fit(problem, fits[1].state, perspective[5]));
@@ -243,7 +243,7 @@ struct FormFit {
   int degrees_of_freedom = 0;
 };
 
-// Residuals less parameters. What has a prior counts as a residual and as a parameter.
+// Residuals minus parameters. A parameter with a prior counts as a residual, too.
 int degrees_of_freedom(const CalibrationProblem& problem, const CameraForm& form) {
   constexpr int kPose = 6;
   int degrees = form.square_pixels ? -1 : -2;
@@ -397,7 +397,7 @@ double mean_edge(const CameraCalibration& calibration) {
   return tags > 0 ? sum / tags : 0;
 }
 
-// Photos that contradict the others are placed by themselves, for what is said of them.
+// Photos that contradict the others are placed separately, for the report on them.
 void place_unused(const CalibrationProblem& problem, CalibrationState& state,
                   const CameraForm& form) {
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
@@ -415,8 +415,8 @@ void place_unused(const CalibrationProblem& problem, CalibrationState& state,
   }
 }
 
-// What a photo's corners have in common is averaged over the photos, not over the corners. At least
-// 1.
+// The errors that a photo's corners share are averaged over the photos, not over the corners. At
+// least 1.
 double photo_factor(std::span<const CalibratedSighting> sightings) {
   const CameraScatter scatter = camera_scatter(sightings);
   return scatter.degrees > 0 ? std::sqrt(std::max(1.0, scatter.chi_square / scatter.degrees)) : 1;
@@ -435,10 +435,10 @@ bool reaches_as_far(const Camera& form, const Camera& chosen) {
 }
 
 // The place of the chosen form, after forms are left out that turn back inside the picture where
-// the chosen one does not: no lens does. They stay where the corners read speak for them: then a
+// the chosen one does not: no lens does. They stay where the corners read support them: then a
 // richer form is needed, and the rays beyond these corners are unknown.
 std::size_t choose(std::vector<FormFit>& fits) {
-  constexpr double kLittle = 0.1;  // of the weight: by chance alone a rich form has some hundredths
+  constexpr double kLittle = 0.1;  // of the weight: by chance a rich form has some hundredths
   const Camera camera = fits[weigh(fits)].tried.camera;
   const auto turns_back = std::ranges::stable_partition(
       fits, [&](const FormFit& fit) { return reaches_as_far(fit.tried.camera, camera); });
@@ -519,7 +519,7 @@ Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
                                            std::span<const Board> boards) {
   if (auto checked = check_boards(boards); !checked) return tl::unexpected(checked.error());
   if (auto checked = check_views(views); !checked) return tl::unexpected(checked.error());
-  // Of a lens that bends little either model is right: both are compared form by form.
+  // For a lens that bends little either model is right: both are compared form by form.
   auto [better, other, compare] = best_fits(calibration_problem(views, boards));
   const auto fit_all = [&, &better = better, &other = other, compare = compare] {
     std::vector<FormFit> fits = fit_forms(better.problem, better.state);
@@ -544,8 +544,8 @@ CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings) {
 }
 
 bool has_other_focal(const CalibratedSighting& sighting) {
-  constexpr double kChance = 4;     // standard deviations: none of chance among some hundred photos
-  constexpr double kLeast = 0.001;  // relative; less is within what a calibration is trusted to
+  constexpr double kChance = 4;     // standard deviations: no coincidence among some hundred photos
+  constexpr double kLeast = 0.001;  // relative; less is within a calibration's accuracy
   const double change = std::abs(sighting.focal_change);
   return sighting.focal_sigma > 0 && change > kChance * sighting.focal_sigma && change > kLeast;
 }

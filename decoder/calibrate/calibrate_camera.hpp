@@ -29,9 +29,9 @@ struct TriedForm {
   // Bayesian information criterion (Schwarz 1978): chi-square over the sigma factor's square, plus
   // ln(residuals) a parameter; the least is chosen.
   double bic = 0;
-  // Share in what rays are said to be uncertain by: exp(-aic / 2), normalised (Burnham and Anderson
-  // 2002, "Model Selection and Multimodel Inference", 2.9), where a parameter costs 2. A form that
-  // the corners seen do not need has its say where none was seen.
+  // Weight in the uncertainty of rays: exp(-aic / 2), normalised (Burnham and Anderson 2002, "Model
+  // Selection and Multimodel Inference", 2.9), where a parameter costs 2. A form that the corners
+  // seen do not need counts where none was seen.
   double weight = 0;
 };
 
@@ -39,34 +39,34 @@ struct TriedForm {
 struct CalibratedSighting {
   std::size_t view = 0;
   std::size_t board = 0;
-  bool used = false;  // else the photo contradicts the others, and what follows is of its own fit
+  bool used = false;  // else the photo contradicts the others, and the rest is from its own fit
   Pose camera_from_board;
   // Of its shift and its turn about the board's middle, both in camera axes. Without the error of
   // the board's scale, which changes the distances of all sightings of the board in proportion.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  // How far the frames' sides lie outward of where they were drawn, in the mean: sharpening, tone
+  // How far, as a mean, the frames' sides lie outward of where they were drawn: sharpening, tone
   // curve and growth of the ink together, pixels.
   double edge_px = 0;
   std::size_t tags_used = 0;
   double chi_square = 0;  // of the tags used, by the covariances that the reader stated
   double tilt = 0;        // radians between the board's normal and the line of sight to its middle
-  // Relative change of the focal length that fits this sighting best by itself, the camera apart
-  // from that taken as calibrated; sigma 0 = the sighting does not tell.
+  // Relative change of the focal length that fits this sighting best on its own, with everything
+  // else of the camera as calibrated; sigma 0 = the sighting does not determine it.
   double focal_change = 0;
   double focal_sigma = 0;
-  // Of a focal length and a principal point of its own against the calibrated ones, and how many of
-  // the three the sighting tells.
+  // For a separate focal length and principal point compared with the calibrated ones: chi-square,
+  // and how many of the three the sighting determines.
   double camera_chi_square = 0;
   int camera_degrees = 0;
 };
 
-// What is left at one tag.
+// The residuals of one tag.
 struct TagResidual {
   std::size_t view = 0;
   std::size_t board = 0;
   std::size_t tag = 0;                           // in Board::tags
   CornerPixels seen = CornerPixels::Zero();      // pixels
-  CornerPixels residual = CornerPixels::Zero();  // seen less predicted; zero where not predictable
+  CornerPixels residual = CornerPixels::Zero();  // seen minus predicted; zero where not predictable
   double chi_square = 0;                         // eight residuals, by the reader's covariance
   bool used = false;                             // else left out: it fits worse than chance allows
 };
@@ -89,30 +89,30 @@ struct CameraCalibration {
   std::vector<TagResidual> residuals;
   std::vector<CalibratedBoard> boards;  // in the order given
   double edge_px = 0;                   // mean over the tags used
-  double chi_square = 0;                // of all that was used, by the covariances stated
+  double chi_square = 0;                // of everything that was used, by the covariances stated
   int degrees_of_freedom = 0;
   // Root of chi-square over the degrees of freedom, at least 1. All covariances here are multiplied
   // by its square: residuals larger than stated raise them, smaller ones lower nothing.
   double sigma_factor = 1;
-  // The camera's are multiplied by this one's square, too: root of camera_scatter's chi-square over
-  // its degrees of freedom, at least 1.
+  // The camera's covariance is multiplied by this one's square, too: root of camera_scatter's
+  // chi-square over its degrees of freedom, at least 1.
   double photo_factor = 1;
 };
 
-// Views of one camera at one focus and zoom. Needs no guess: perspective cameras from telephoto to
-// wide angle and fisheyes up to 180 degrees are tried, and the simplest lens model that explains
-// the corners is chosen (TriedForm::bic).
+// Views of one camera at one focus and zoom. Needs no initial guess: perspective cameras from
+// telephoto to wide angle and fisheyes up to 180 degrees are tried, and the simplest lens model
+// that explains the corners is chosen (TriedForm::bic).
 //
 // Tags that fit worse than one in a hundred sets of photos would show by chance, photos three times
 // as bad as the median photo, and photos of another focal length (unless these are more than a
 // third) are left out and stay in the result as not used.
 //
-// Says nothing about whether the photos suffice: assess.hpp does. Fails, naming the file, where
-// views are of different sizes, and where fewer than four tags were seen in all.
+// Does not say whether the photos are enough: assess.hpp does. Fails, naming the file, where views
+// are of different sizes, and where fewer than four tags were seen in all.
 Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
                                            std::span<const Board> boards);
 
-// Whether the photos used, each by itself, have the calibrated focal length and principal point.
+// Whether the photos used, each on its own, have the calibrated focal length and principal point.
 struct CameraScatter {
   double chi_square = 0;
   int degrees = 0;
@@ -120,7 +120,7 @@ struct CameraScatter {
 
 CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings);
 
-// Whether the sighting by itself has another focal length than the calibration, for sure.
+// Whether the sighting on its own certainly has another focal length than the calibration.
 bool has_other_focal(const CalibratedSighting& sighting);
 
 // The guess with which a photo is read again: the camera, and where it has the photo's boards.

@@ -46,7 +46,7 @@ struct CameraForm {
   LensForm lens;
   bool square_pixels = true;
 
-  // Of the camera: 3 or 4 with the coefficients.
+  // Number of free parameters of the camera: 3 or 4 with the coefficients.
   Eigen::Index parameters() const {
     return static_cast<Eigen::Index>(lens.coefficients) + (square_pixels ? 3 : 4);
   }
@@ -59,14 +59,14 @@ std::string to_string(const CameraForm& form);
 Eigen::Matrix<double, kCameraParameters, Eigen::Dynamic> free_parameters(const CameraForm& form);
 
 // Standard deviation of the principal point from the picture's middle before anything is measured,
-// as a share of the picture's width: twice what a rig without a stated one is given
+// as a share of the picture's width: twice the value for a rig that states none
 // (docs/decisions/0020-unstated-is-not-exact.md), because nothing at all is known of the camera.
 inline constexpr double kCenterSigma = 0.02;
 
 // What is known of the parameters before anything is measured, as standard deviations about zero
-// (distortion), about the middle (principal point) and about the value at hand (focal length: of
-// its own size, so that what no photo shows stays finite). No coefficient alone moves the point at
-// the radius `outermost` (of the plane z = 1; of a fisheye the angle) by more than that radius.
+// (distortion), about the middle (principal point) and about the current value (focal length: as
+// large as itself, so that what no photo shows stays finite). No coefficient alone moves the point
+// at the radius `outermost` (of the plane z = 1; of a fisheye the angle) by more than that radius.
 CameraVector prior_sigmas(const Camera& camera, double outermost);
 
 }  // namespace tagsmith::detail

@@ -18,8 +18,8 @@ struct Ring {
       Eigen::Matrix<double, 1, kCameraParameters>::Zero();
 };
 
-// Radii count from `middle`. Opposite directions, so that a shift of the principal point leaves the
-// mean as it is.
+// Radii count from `middle`. Opposite directions are averaged, so that a shift of the principal
+// point leaves the mean unchanged.
 std::optional<Ring> ring_of(const Camera& camera, const Vector2d& middle, double slope) {
   const std::array<Vector2d, 4> directions{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
   Ring ring;

@@ -15,7 +15,7 @@ struct DistortionPoint {
   // perspective f tan(angle), fisheye f angle. Pixels.
   double displacement = 0;
   double sigma = 0;               // of `radius` for this ray, by the covariance of the form chosen
-  std::optional<double> other{};  // what the runner-up has as its radius, less `radius`
+  std::optional<double> other{};  // the runner-up's radius minus `radius`
 };
 
 struct DistortionCurve {
@@ -24,7 +24,7 @@ struct DistortionCurve {
   double seen_radius = 0;               // of the farthest corner that was used, pixels
 };
 
-// The tried form with the least BIC besides the one chosen; nothing where one alone was tried.
+// The tried form with the least BIC after the chosen one; nothing where only one was tried.
 std::optional<std::size_t> runner_up(const CameraCalibration& calibration);
 
 DistortionCurve distortion_curve(const CameraCalibration& calibration);

@@ -82,7 +82,7 @@ class SheetLight {
     return low + (level - below) * (curve.light_of(std::min(below + 1, 255)) - low);
   }
 
-  // Of the middle of the rectangle, which blur does not reach.
+  // The light in the middle of the rectangle, which blur does not reach.
   double mean(const Rectangle& r) const {
     constexpr int kSteps = 40;
     double sum = 0;
@@ -138,8 +138,8 @@ std::vector<double> growths(const SheetLight& light, const std::vector<Rectangle
   return all;
 }
 
-// Without the least and the greatest. Edges stand on whole dots of the printer, so that single bars
-// are half a dot off, either way.
+// The mean without the least and the greatest. Edges are printed on whole dots, so that single bars
+// are half a dot off in either direction.
 double mean_of_most(std::vector<double> values) {
   std::ranges::sort(values);
   return std::accumulate(values.begin() + 1, values.end() - 1, 0.0) /
@@ -155,7 +155,7 @@ double dot_gain(const PrinterTest& test, const SheetLight& light, double white, 
 
 std::string percent(double share) { return format_number(share * 100, 2) + " %"; }
 
-// What makes the scan no measurement; empty = nothing.
+// Why the scan cannot be used as a measurement; empty = it can.
 std::string objection(const PrinterScale& scale, double error_px, double dots_per_inch) {
   constexpr double kFlat = 0.0004;  // metres
   if (!is_usual(scale)) {

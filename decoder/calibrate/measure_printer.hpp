@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A printer's profile out of a scan of its test sheet.
+// A printer's profile from a scan of its test sheet.
 #pragma once
 
 #include <string>
@@ -16,9 +16,9 @@ struct PrinterMeasurement {
   double mark_error = 0;     // of the marks' corners about the fitted sheet, the same
 };
 
-// The scan may lie any way. Scale is that of the scan's stated resolution: the scanner's own error
-// goes into it. Fails when a mark was not read, the sheet does not lie flat, its size says another
-// resolution, or it has too little contrast; `name` begins the message.
+// The scan may have any direction. The scale relies on the scan's stated resolution: the scanner's
+// own error is part of it. Fails when a mark was not read, the sheet does not lie flat, its size
+// says another resolution, or it has too little contrast; `name` begins the message.
 Result<PrinterMeasurement> measure_printer(const std::string& name, const GrayView& scan,
                                            double dots_per_inch);
 

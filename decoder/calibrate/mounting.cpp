@@ -28,7 +28,7 @@ constexpr std::size_t kMounting = 6;  // parameters of a camera: shift and turn
 
 using Held = std::vector<std::array<bool, kMounting>>;  // by camera
 
-// Of what is not held nothing is known; of the lens what the rig states.
+// Nothing is known of parameters that are not held; of the lens what the rig states.
 std::vector<ParameterSigmas> sigmas_for(const Rig& rig, const Held& held) {
   std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
   for (std::size_t c = 0; c < sigmas.size(); ++c) {
@@ -39,7 +39,7 @@ std::vector<ParameterSigmas> sigmas_for(const Rig& rig, const Held& held) {
   return sigmas;
 }
 
-// The second time about the first's result: covariances hold for small turns.
+// The second fit starts from the first's result: covariances are valid for small turns.
 std::optional<DriveFit> fit_twice(const Survey& survey, const Drive& drive, const Rig& start,
                                   const std::vector<ParameterSigmas>& sigmas) {
   const auto first = fit_drive(survey, drive, start, sigmas);
@@ -51,10 +51,10 @@ std::optional<DriveFit> fit_twice(const Survey& survey, const Drive& drive, cons
   return fit_drive(survey, drive, near, sigmas);
 }
 
-// --- how well it is known ---
+// --- covariances ---
 
-// How a camera's coordinate moves when the vehicle's axes turn about this one: against that of the
-// camera which is held on it, for that one stays where it is.
+// How a camera's coordinate moves when the vehicle's axes turn about this one: relative to the
+// camera that is held in this coordinate, because that one does not move.
 double shift_by_turn(const DriveFit& fitted, std::size_t camera, Index coordinate,
                      const Vector3d& axis) {
   const auto moved = [&](std::size_t c) {
@@ -67,8 +67,8 @@ double shift_by_turn(const DriveFit& fitted, std::size_t camera, Index coordinat
   return moved(camera);
 }
 
-// Of a camera's six parameters in the vehicle's own axes: an error that all vehicles' attitudes
-// have in common is one of these axes, which the drive defines, not of the camera.
+// The covariance of a camera's six parameters in the vehicle's own axes: an error that all
+// vehicles' attitudes share is an error of these axes, which the drive defines, not of the camera.
 Eigen::Matrix<double, 6, 6> covariance_of(const DriveFit& fitted, std::size_t camera) {
   const MatrixXd& all = fitted.adjustment.calibration_covariance;
   const Index mean_attitude = all.rows() - 3;
@@ -90,16 +90,16 @@ Eigen::Matrix<double, 6, 6> covariance_of(const DriveFit& fitted, std::size_t ca
   return by_all * all * by_all.transpose();
 }
 
-// Of a camera's turn, by how uncertain the axes themselves are, which the drive defines as the mean
-// of its rows: as these scatter.
+// The covariance of a camera's turn from the uncertainty of the axes themselves, which the drive
+// defines as the mean of its rows: from the rows' scatter.
 Matrix3d covariance_of_axes(const DriveFit& fitted, std::size_t camera) {
   const Matrix3d by_axes = fitted.rig.cameras[camera].vehicle_from_camera.rotation.transpose() *
                            vehicle_frame(VehiclePose{}).turn_axes;
   return by_axes * fitted.mean_attitude_variance.asDiagonal() * by_axes.transpose();
 }
 
-// The camera's pose in the vehicle's own axes: in those of the fit the vehicles may stand askew on
-// their mean, as far as what is assumed of height and stance lets them.
+// The camera's pose in the vehicle's own axes: in those of the fit the vehicles may, as a mean,
+// stand askew, as far as the assumed height and stance allow.
 Pose in_own_axes(const DriveFit& fitted, std::size_t camera) {
   const Matrix3d axes = vehicle_frame(VehiclePose{}).turn_axes;
   const Vector3d turn = axes * fitted.mean_attitude;
@@ -112,7 +112,7 @@ Pose in_own_axes(const DriveFit& fitted, std::size_t camera) {
   return pose;
 }
 
-// Angles by a small turn in camera axes.
+// The derivatives of the angles by a small turn in camera axes.
 Matrix3d angles_by_turn(const Pose& vehicle_from_camera) {
   constexpr double kStep = 1e-6;
   const MountingAngles at = mounting_angles(vehicle_from_camera);
@@ -128,10 +128,11 @@ Matrix3d angles_by_turn(const Pose& vehicle_from_camera) {
   return result;
 }
 
-// Holds the parameter that the drive tells least of, if a tape or a protractor tells it better.
+// Holds the parameter that the drive determines least, if a tape or a protractor measures it
+// better.
 bool hold_worst(const DriveFit& fitted, Held& held) {
   constexpr double kAlike =
-      1 + 1e-3;  // of two that are told alike, the first: not as rounding has it
+      1 + 1e-3;  // if two are equally well determined, the first, so that rounding does not decide
   const CalibrationSigma by_hand = usual_calibration(IntrinsicsSource::numbers, 0);
   double worst = 1;
   bool* to_hold = nullptr;
@@ -153,7 +154,7 @@ bool hold_worst(const DriveFit& fitted, Held& held) {
 
 std::vector<FittedRange> fit_ranges(const DriveFit& fitted, const Drive& drive,
                                     const Survey& survey) {
-  constexpr double kSpread = 1.4826;    // standard deviations a median absolute deviation
+  constexpr double kSpread = 1.4826;    // standard deviations per median absolute deviation
   constexpr double kOfMedian = 1.2533;  // standard deviation of a median over that of a mean
   std::vector<FittedRange> result;
   for (const RigRange& range : fitted.rig.ranges) {
@@ -177,7 +178,7 @@ std::vector<FittedRange> fit_ranges(const DriveFit& fitted, const Drive& drive,
   return result;
 }
 
-// --- all together ---
+// --- the result ---
 
 MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& survey,
                       const Held& held, const std::vector<std::size_t>& left_out) {
@@ -191,8 +192,8 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
       ++sightings;
     }
   }
-  // Of everything, for where rows contradict each other the plates give way before the corners do.
-  // Priors add as many equations as they add unknowns: of the vehicle four a row.
+  // Chi-square of everything, because where rows contradict each other the plates move before the
+  // corners do. Priors add as many equations as they add unknowns: for the vehicle four a row.
   fit.chi_square = fitted.adjustment.chi_square;
   fit.degrees_of_freedom = static_cast<int>(8 * sightings + 4 * fit.rows) -
                            static_cast<int>(6 * fit.rows + fitted.layout.sigmas.size());
@@ -223,7 +224,7 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
 Result<MountingFit> fit_mounting(std::span<const Observation> rows, const Survey& survey,
                                  const Rig& rig) {
   constexpr std::size_t kLeastRows = 3;
-  constexpr double kMostFactor = 5;  // of what is stated, which differs by camera and survey
+  constexpr double kMostFactor = 5;  // of the stated sigmas, which differ by camera and survey
   Drive drive = drive_of(rows, survey, rig);
   if (drive.stations.size() < kLeastRows) {
     return fail(fmt::format("{} of {} rows show tags of the survey, expected {} or more",

@@ -14,7 +14,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kBelieved = 1e-3;  // weight from which a form must see a ray
+constexpr double kBelieved = 1e-3;  // weight above which a form must see a ray
 
 RayGrid::Cell& cell_at(RayGrid& grid, const Camera& camera, const Vector2d& pixel) {
   const auto place = [](double at, int size, int count) {

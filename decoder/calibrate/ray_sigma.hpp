@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well a calibration knows where its pixels look, and what a rig states of that.
+// How well a calibration determines the rays of its pixels, and what a rig states of that.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@ namespace tagsmith::detail {
 // ray of the camera frame is seen: how far the ray through `pixel` may be off, in pixels. Poses are
 // marginal.
 //
-// Every form that was tried counts by its weight, with its own covariance and with what it says
-// differently (Hoeting et al. 1999, "Bayesian model averaging: a tutorial", (3)): where no corner
-// was seen, the richer forms are uncertain though the chosen one is not. Nothing where the chosen
-// camera has no ray, or a form whose weight is more than one in a thousand cannot see it.
+// Every form that was tried counts by its weight, with its own covariance and with its difference
+// from the chosen one (Hoeting et al. 1999, "Bayesian model averaging: a tutorial", (3)): where no
+// corner was seen, the richer forms are uncertain even if the chosen one is not. Nothing where the
+// chosen camera has no ray, or a form whose weight is more than one in a thousand cannot see it.
 std::optional<double> ray_sigma_px(const CameraCalibration& calibration,
                                    const Eigen::Vector2d& pixel);
 
@@ -52,10 +52,10 @@ struct IntrinsicsSigma {
   double center = 0;
 };
 
-// A rig knows no covariance of the distortion: its two numbers stand for all that is uncertain of
+// A rig states no covariance of the distortion: its two numbers represent the whole uncertainty of
 // the rays. `center` is the ray sigma (ray_sigma_px) at the principal point. `focal` is the
-// calibration's own, or larger where that takes for the two to make, in the mean of the squares
-// over the picture, what the ray sigmas make. Parts of the picture without a ray do not count.
+// calibration's own, or larger where that is needed for the two numbers to give, as the mean of the
+// squares over the picture, the ray sigmas. Parts of the picture without a ray do not count.
 IntrinsicsSigma rig_sigma(const CameraCalibration& calibration);
 
 }  // namespace tagsmith::detail

@@ -101,7 +101,7 @@ AdjustmentOptions rough_options(LensModel lens, int iterations) {
 }
 
 // The sightings with the most tags, and some tags of each from all over it: enough to choose a
-// start by.
+// start.
 CalibrationProblem richest(const CalibrationProblem& problem) {
   constexpr std::size_t kSightings = 10;
   constexpr std::size_t kTags = 10;
@@ -119,8 +119,8 @@ CalibrationProblem richest(const CalibrationProblem& problem) {
   return some;
 }
 
-// A sighting that this camera cannot have made stays at the camera's centre, where nothing is seen
-// of it and every tag costs much.
+// A sighting that this camera cannot have made stays at the camera's centre, where nothing of it is
+// visible and every tag costs much.
 CalibrationState placed(const CalibrationProblem& problem, const Camera& camera) {
   CalibrationState state{camera, std::vector<BoardShape>(problem.planes.size()), {}};
   for (const BoardSighting& sighting : problem.sightings) {
@@ -129,8 +129,8 @@ CalibrationState placed(const CalibrationProblem& problem, const Camera& camera)
   return state;
 }
 
-// From a picture that a lens of 150 degrees makes of straight lines to a long telephoto lens, and
-// the barrel distortion that goes with the wide ones.
+// From a rectilinear lens of 150 degrees to a long telephoto lens, and the barrel distortion that
+// wide lenses have.
 std::vector<Camera> grid_of_cameras(const CalibrationProblem& problem, LensModel lens) {
   constexpr double kShortest = 0.13;  // of the longer side
   constexpr double kLongest = 12;

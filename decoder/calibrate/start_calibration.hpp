@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A first camera and first poses, without any guess.
+// A first camera and first poses, without any initial guess.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 namespace tagsmith::detail {
 
 // A camera of this lens model with square pixels whose focal length and bend, of a grid of both,
-// explain the sightings best, each sighting's pose fitted by itself. All sightings of the problem
-// get a pose; one that the camera cannot have made stands at the camera's centre, where nothing is
-// seen of it.
+// explain the sightings best, each sighting's pose fitted separately. All sightings of the problem
+// get a pose; one that the camera cannot have made is put at the camera's centre, where nothing of
+// it is visible.
 //
 // Trying focal lengths needs no photo to be free of distortion, as the closed form of Zhang (2000,
 // "A flexible new technique for camera calibration") does, and holds for fisheyes alike.
