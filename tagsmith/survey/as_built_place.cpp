@@ -14,7 +14,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// What rounds to zero is written without its sign.
+// A value that rounds to zero is written without its sign.
 std::string rounded(double value, int decimals) {
   const double unit = std::pow(10.0, decimals);
   return fmt::format("{:.{}f}", std::round(value * unit) / unit + 0.0, decimals);
@@ -27,7 +27,7 @@ std::string point_text(const Eigen::Vector3d& p) {
 }
 
 PlacedKeys measured_keys(const AsBuiltPlace& place) {
-  constexpr double kLeastSigma = 1e-4;  // metres: what is written of a coordinate
+  constexpr double kLeastSigma = 1e-4;  // metres: the last digit that is written of a coordinate
   PlacedKeys values{{"p", point_text(place.p_in_grid)},
                     {"sigma", rounded(std::max(place.sigma, kLeastSigma), 4)}};
   if (!place.date.empty()) values.emplace_back("date", place.date);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a tag hangs as measured, and how a survey file's section `placed` says it.
+// The measured place of a tag, and its entry in a survey file's section `placed`.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ using PlacedKeys = std::vector<std::pair<std::string, std::string>>;
 // A point, to a tenth of a millimetre.
 std::string point_text(const Eigen::Vector3d& p);
 
-// What of the entry was measured.
+// The measured part of the entry.
 PlacedKeys measured_keys(const AsBuiltPlace& place);
 
 // `digits` of the entry.

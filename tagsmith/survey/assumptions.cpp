@@ -45,7 +45,7 @@ std::optional<std::string> assumed_sigma(const Survey& survey) {
                      format_number(1000 * survey.sigma));
 }
 
-// Of cameras that drive: what is not said of their shutters is taken as global.
+// For cameras that drive: shutters of which nothing is said are assumed to be global.
 std::optional<std::string> assumed_shutter(const Rig& rig) {
   const auto rolls = [](const RigCamera& camera) { return camera.readout.value_or(0) > 0; };
   if (!rig.envelope && std::ranges::any_of(rig.cameras, rolls)) {
@@ -63,7 +63,7 @@ std::optional<std::string> assumed_shutter(const Rig& rig) {
                      fmt::join(names, ", "));
 }
 
-// Cameras of which the same is assumed share a sentence.
+// Cameras with the same assumption share a sentence.
 std::vector<std::string> assumed_calibration(const Rig& rig) {
   std::vector<std::pair<std::string, std::vector<std::string>>> cameras;
   for (const RigCamera& camera : rig.cameras) {

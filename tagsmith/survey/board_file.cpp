@@ -23,11 +23,11 @@ namespace {
 constexpr double kLongestSide = 9.999;  // metres: four digits of millimetres
 constexpr int kMostTagsASide = 600;     // modules of 0.264 mm make 550 rows of 9.999 m
 
-// Prints come out to some parts in a thousand; "fit to page" takes away 3 to 6 percent.
+// Prints are accurate to some parts in a thousand; "fit to page" shrinks them by 3 to 6 percent.
 constexpr double kMostOffScale = 0.02;
 
-// Paper is fed and drawn by different parts of a printer, which differ by a few parts in a
-// thousand; a slip of the pen in one of the two distances differs by more.
+// Paper is moved and drawn by different parts of a printer, which differ by a few parts in a
+// thousand; a misreading of one of the two distances differs by more.
 constexpr double kMostUnequal = 0.01;
 
 // A pair of lengths of the sheet, metres.
@@ -37,7 +37,7 @@ std::optional<std::vector<double>> read_lengths(const MapReader& map, std::strin
                       map.log());
 }
 
-// Places that codes can say.
+// Places that codes can represent.
 void check_millimetres(const MapReader& tags, std::string_view key,
                        const std::vector<double>& lengths) {
   const auto is_whole = [](double metres) {
@@ -74,7 +74,7 @@ void read_grid(const MapReader& tags, BoardGrid& grid) {
   grid.step_down = whole_millimetres((*step)[1]);
 }
 
-// The frames keep apart from each other and on the sheet.
+// The frames are apart from each other and on the sheet.
 void check_places(const Board& board, const MapReader& file) {
   constexpr double kRounding = 1e-9;
   const TagTemplate& tag = board.tag;

@@ -13,8 +13,8 @@ namespace tagsmith::detail {
 
 // ---- Files of calibration boards, as `tagsmith board` writes and their users complete them.
 
-// How exactly a board is taken to be measured where its file does not say: what a hand with a steel
-// rule or a tape does. Metres.
+// The accuracy that is assumed for the measurement of a board where its file does not say: that of
+// a steel rule or a tape in the hand. Metres.
 inline constexpr double kUsualMeasuringSigma = 0.0002;
 
 // Fails only when the file cannot be read at all. The scale is what was measured over what was
@@ -27,9 +27,9 @@ Result<Board> load_board(const std::filesystem::path& path);
 
 // ---- The file of a calibration board, for the board's user to complete.
 
-// All that readers need of the board, with comments that say what its lengths are and how to
-// measure the print: `measured` is a comment until the user has done so. What read_board makes of
-// it is the board, its scale apart.
+// Everything that readers need of the board, with comments that say what its lengths are and how to
+// measure the print: `measured` is a comment until the user has done so. read_board returns the
+// same board from it, except for its scale.
 std::string board_file_text(const Board& board);
 
 }  // namespace tagsmith::detail

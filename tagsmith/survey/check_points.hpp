@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slips in lists of surveyed points that a fit would explain badly, or not see.
+// Slips in lists of surveyed points that a fit would explain badly, or not detect.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace tagsmith::detail {
 // exchanged. Of fewer than five points nothing is said.
 void check_exchanged(const std::vector<SurveyedPoint>& points, FindingLog& log);
 
-// Where numbers taken for metres make walls that no drive has: further apart than 12, nearer than
+// Where numbers read as metres make walls that no drive has: further apart than 12, nearer than
 // 0.5, or both walls and roof 7.5 apart (three metres in feet, which few drives reach in metres).
 // In words, with the remedy; nothing where the numbers may be metres.
 std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& points);

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 constexpr double kTouching = 1e-3;  // metres that plates may share with each other or the rock
 
-// How the code could say the positions of all tags on this axis.
+// How the code could represent the positions of all tags on this axis.
 std::string range_remedy(const PositionCode& code, const std::vector<SourcedTag>& tags, int axis) {
   Eigen::AlignedBox3d box;
   for (const SourcedTag& entry : tags) box.extend(entry.tag.p_in_grid);
@@ -49,8 +49,8 @@ int faulty_axis(const PositionCode& code, const PlacedTag& tag) {
   return axis_out_of_range(code, {p.x(), p.y(), p.z()}).value_or(0);
 }
 
-// Findings of one rule about the regular tags, gathered: they come from one line of the file, and
-// one finding that counts them says more than a thousand.
+// Findings of one rule about the regular tags, combined: they come from one line of the file, and
+// one finding with their number is clearer than a thousand.
 class SeriesFindings {
  public:
   void add(const std::string& kind, const PlacedTag& tag, std::string message) {
@@ -92,7 +92,7 @@ class SeriesFindings {
   std::map<std::string, Group> groups_;
 };
 
-// The room of a plate on its wall.
+// The space that a plate takes on its wall.
 struct PlateExtent {
   double start = 0;  // chainage
   double middle = 0;
@@ -141,7 +141,7 @@ struct WallFault {
   std::string message;
 };
 
-// How the plate sticks out of the tunnel; an empty list when it does not.
+// By how much the plate extends beyond the tunnel; an empty list when it does not.
 std::vector<WallFault> room_faults(const Survey& survey, const PlacedTag& tag,
                                    const PlateExtent& extent) {
   std::vector<WallFault> faults;
@@ -198,7 +198,7 @@ void check_on_wall(const Survey& survey, const SourcedTag& entry, const Centerli
   }
 }
 
-// Whether a plate with an attitude of its own looks at the rock.
+// Whether a plate with an attitude of its own faces the rock.
 void check_faces_room(const Survey& survey, const SourcedTag& entry, FindingLog& log) {
   if (!entry.tag.attitude) return;
   constexpr double kAhead = 0.3;  // metres in front of the plate's middle
@@ -219,16 +219,16 @@ void check_faces_room(const Survey& survey, const SourcedTag& entry, FindingLog&
   }
 }
 
-// Of the middle of the frame's upper edge.
+// The place of the middle of the frame's upper edge.
 CenterlineAddress middle_of(const Survey& survey, const PlacedTag& tag) {
   const Eigen::Vector3d middle =
       tag.world_from_plate * Eigen::Vector3d(survey.tag_template.frame_inner_length / 2, 0, 0);
   return survey.tunnel.centerline.locate(middle.head<2>());
 }
 
-// The wall's steps behind a plate; empty when there is none to speak of.
+// The wall's steps behind a plate; empty when none is relevant.
 std::string step_behind(const Tunnel& tunnel, const PlacedTag& tag, const PlateExtent& extent) {
-  constexpr double kStep = 0.02;  // metres that a plate's fixings bear
+  constexpr double kStep = 0.02;  // metres that a plate's fixings can bridge
   const ChainageProfile& wall = wall_of(tunnel, tag.side);
   if (wall.is_constant()) return {};
   const double step = wall.steps(extent.start, extent.end);
@@ -257,7 +257,7 @@ void log_overlap(const SourcedTag& a, const SourcedTag& b, SeriesFindings& serie
 }
 
 // Sweeps along the wall. Of the plates that the sweep line crosses, those kept share no height, so
-// that a new one needs to be compared with its neighbours in height only.
+// that a new one must be compared with its neighbours in height only.
 void check_overlaps(std::vector<WallPlate> plates, SeriesFindings& series, FindingLog& log) {
   std::ranges::sort(plates, {}, [](const WallPlate& plate) { return plate.extent.start; });
   std::map<double, const WallPlate*> open_by_bottom;

@@ -20,7 +20,7 @@ namespace tagsmith::detail {
 
 namespace {
 
-// Metres that a plate, hung as well as one does, is off the place that was printed on it.
+// Metres by which a carefully hung plate is off the place that was printed on it.
 constexpr double kHungOff = 0.25;
 
 struct Owner {

@@ -16,7 +16,7 @@ namespace tagsmith::detail {
 
 // Logs a warning for each tag of the survey whose digits code the place of another tag, clearly
 // nearer than its own by more than the code's resolution. The other tags are those of `among`; of
-// several surveys `survey` itself is left out, since it has been looked at alone.
+// several surveys `survey` itself is left out, since it has already been checked alone.
 void lint_exchanged_codes(const Survey& survey, std::span<const Survey> among, FindingLog& log);
 
 // ---- Several surveys.
@@ -24,8 +24,8 @@ void lint_exchanged_codes(const Survey& survey, std::span<const Survey> among, F
 // Findings about several surveys together: equal codes, equal survey names, plates of two colours.
 std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys);
 
-// Fails where positions in them cannot be given together: grids whose x grows to opposite sides, or
-// that are named and not the same.
+// Fails where positions in them cannot be combined: grids whose x grows to opposite sides, or that
+// are named and not the same.
 Result<void> check_one_grid(const std::vector<Survey>& surveys);
 
 }  // namespace tagsmith::detail

@@ -23,13 +23,13 @@ std::string place_text(const Eigen::Vector3d& p) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
 }
 
-// World positions are compared, so that a grid that was turned over counts.
+// World positions are compared, so that a mirrored grid counts as a change.
 double distance_between(const PlacedTag& before, const PlacedTag& after) {
   return (before.world_from_plate.translation - after.world_from_plate.translation).norm();
 }
 
-// Of the plate in its own frame (x to the right, y down, z into the wall): clockwise, right edge
-// out, top out; radians.
+// The turn of the plate in its own frame (x to the right, y down, z into the wall): clockwise,
+// right edge out, top out; radians.
 Eigen::Vector3d turn_between(const PlacedTag& before, const PlacedTag& after) {
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(before.world_from_plate.rotation.transpose() *
                                                after.world_from_plate.rotation));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of the plates when a survey changes.
+// What must be done with the plates when a survey changes.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace tagsmith::detail {
 
 enum class TagChange {
   print,    // a new tag
-  reprint,  // its plate says or looks otherwise
+  reprint,  // the text or the drawing of its plate differs
   move,     // the same plate hangs elsewhere, or turned
   remove,   // the tag is gone: an old plate gives a wrong position
 };
@@ -40,8 +40,8 @@ inline constexpr double kSamePlace = 0.0005;
 // 1 mm.
 inline constexpr double kSameDirection = 0.0025;
 
-// What there is to do, in the order of the new survey, then the removed tags. Labels count only
-// where the plate is printed anew anyway: the code identifies a plate.
+// The tasks in the order of the new survey, then the removed tags. Labels count only where the
+// plate is reprinted anyway: the code identifies a plate.
 std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& after);
 
 // A plate that hangs by the old survey and that the new one takes for a tag which hangs elsewhere;
@@ -52,11 +52,11 @@ struct ReadElsewhere {
   double distance = 0;  // from where it hangs to where the new survey has it, metres
 };
 
-// Until these plates are moved or taken down, positions by the new survey are wrong.
+// As long as these plates are not moved or taken down, positions by the new survey are wrong.
 std::vector<ReadElsewhere> read_elsewhere(const Survey& before, const Survey& after);
 
-// A length of what is printed on a plate: plates that agree in all of these, and in their colours,
-// are drawn alike but for their labels.
+// A printed length of a plate: plates that agree in all of these, and in their colours, are drawn
+// alike except for their labels.
 struct PrintedLength {
   const char* name;
   const char* key;                   // in a print's manifest.json, millimetres
@@ -65,7 +65,7 @@ struct PrintedLength {
 };
 std::span<const PrintedLength> printed_lengths();
 
-// What differs between two templates in what is printed, in words; empty when nothing does.
+// The differences between two templates in what is printed, in words; empty when there are none.
 std::string describe_template_change(const TagTemplate& before, const TagTemplate& after);
 
 }  // namespace tagsmith::detail

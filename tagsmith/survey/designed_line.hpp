@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The alignment of a design, as its file has it. Internal to tagsmith/survey but for lists of
+// The alignment of a design, as its file has it. Internal to tagsmith/survey, except in lists of
 // points.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace tagsmith::detail {
 
-// A line, an arc or a clothoid. The curvature goes evenly from one value to another (1/length,
+// A line, an arc or a clothoid. The curvature changes evenly from one value to another (1/length,
 // positive to the right where x grows to the right of y).
 struct DesignedElement {
   double length = 0;

@@ -44,7 +44,7 @@ std::string grade_key(const CenterlineElement& element) {
 }
 
 std::string element_text(const CenterlineElement& element) {
-  constexpr double kFlat = 1e-4;  // 1/m: of small angles more is written
+  constexpr double kFlat = 1e-4;  // 1/m: more digits are written of small angles
   const std::string grade = grade_key(element);
   if (element.curvature == 0) return "{ line: " + format_number(element.length) + grade + " }";
   const double angle = element.length * std::abs(element.curvature);
@@ -54,7 +54,8 @@ std::string element_text(const CenterlineElement& element) {
          ", angle: " + format_number(degrees(angle), decimals) + grade + " }";
 }
 
-// Nothing for what no key of a survey says: other elements, and clothoids that bend to both sides.
+// Nothing for elements that no key of a survey describes: other ones, and clothoids that bend to
+// both sides.
 std::optional<std::string> clothoid_text(std::span<const CenterlineElement> arcs) {
   const std::optional<Clothoid> clothoid = clothoid_of(arcs);
   if (!clothoid || clothoid->from * clothoid->to < 0) return std::nullopt;
@@ -137,9 +138,9 @@ std::string series_text(const TagSeries& series) {
       format_number(series.first), series.pairs);
 }
 
-// How far the points scatter across from the fitted walls, one standard deviation; nothing where
-// that does not tell how well they were measured: in walls that run through their points or are
-// rougher than any survey, of few points, of computed ones, and of plates to come.
+// The scatter of the points across the fitted walls, one standard deviation; nothing where it does
+// not show how well they were measured: in walls that run through their points or are rougher than
+// any survey, for few points, for computed ones, and for plates to come.
 std::optional<double> scatter_across(const SurveyDraft& draft) {
   constexpr double kRoughest = 0.03;
   constexpr double kFinest = 1e-4;  // lists are written to the millimetre or its tenth
@@ -150,7 +151,7 @@ std::optional<double> scatter_across(const SurveyDraft& draft) {
   const auto points = std::ranges::count_if(draft.fit.residuals, [](const PointResidual& residual) {
     return residual.across.has_value();
   });
-  // Of a straight line with its width three numbers are fitted, of each further element two.
+  // For a straight line with its width three numbers are fitted, for each further element two.
   const auto elements = static_cast<double>(tunnel.centerline.elements().size());
   const double freedom = static_cast<double>(points) - 1 - 2 * elements;
   if (freedom < kLeastFreedom) return std::nullopt;
@@ -175,7 +176,7 @@ std::string tags_text(const SurveyDraft& draft) {
       draft.template_name, format_number(mm / 1000), 1000 * *scatter);
 }
 
-// The keys of an attitude that the drafted wall does not say already.
+// The keys of an attitude that does not follow from the drafted wall.
 std::string attitude_keys(const SurveyDraft& draft, const SurveyedPoint& point) {
   constexpr double kSame = radians(0.02);
   if (!point.attitude) return {};
@@ -281,9 +282,9 @@ std::size_t end_of_part(const std::vector<PairOfTags>& pairs, std::size_t begin,
   return end;
 }
 
-// By how much the origin of a code may lie lower so that its tags get other digits: whole metres,
-// and odd lengths for plates at whole metres of each other. Such shifts stay within the digits that
-// reach below a range.
+// By how much the origin of a code may be lowered so that its tags get other digits: whole metres,
+// and uneven lengths for plates at whole metres from each other. Such shifts stay within the digits
+// that reach below a range.
 std::vector<Eigen::Vector3d> shifts_of_origin() {
   constexpr int kMost = 9;
   std::vector<Eigen::Vector3d> shifts{Eigen::Vector3d::Zero()};
@@ -295,7 +296,7 @@ std::vector<Eigen::Vector3d> shifts_of_origin() {
   return shifts;
 }
 
-// The digits of the positions; nothing where one has none, or those that are taken.
+// The digits of the positions; nothing where one has none, or one that is already used.
 std::optional<std::set<Digits>> free_digits(const PositionCode& code,
                                             const std::vector<Eigen::Vector3d>& positions,
                                             const std::set<Digits>& taken) {
@@ -308,7 +309,7 @@ std::optional<std::set<Digits>> free_digits(const PositionCode& code,
   return digits;
 }
 
-// A code for the pairs with which none of them has digits that are taken; then theirs are.
+// A code for the pairs with which none of them has digits that are used; then theirs are used.
 Result<PositionCode> untaken_code(std::span<const PairOfTags> pairs, CheckDigit check,
                                   std::set<Digits>& taken) {
   const std::vector<Eigen::Vector3d> positions = positions_of(pairs);
@@ -538,7 +539,7 @@ Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft) {
     const std::span<const PairOfTags> run = std::span(pairs).subspan(begin, end - begin);
     const double last = std::ranges::max(run, {}, &PairOfTags::last).last;
     const bool is_last = end == pairs.size();
-    // Halfway to the next tag, or further, so that the whole of each plate hangs in its part.
+    // Halfway to the next tag, or further, so that each plate hangs wholly in its part.
     const double border = is_last ? length : (last + pairs[end].first) / 2;
     const double to = is_last ? length : std::min(length, std::max(border, last + plate));
     DraftPart part{part_between(draft, run, from, to), from, to};

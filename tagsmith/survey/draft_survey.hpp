@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Survey and rig files to begin with.
+// Survey and rig files to start from.
 #pragma once
 
 #include <optional>
@@ -42,8 +42,8 @@ struct LayoutWish {
   std::optional<double> to;     // chainage up to which a left P may lie
 };
 
-// As many regular pairs as there is room for; without `first` and `to` from where the surveyed
-// walls begin to where they end. Fails when not one pair fits.
+// As many regular pairs as fit; without `first` and `to` from the begin of the surveyed walls to
+// their end. Fails when not one pair fits.
 Result<TagSeries> propose_series(const Tunnel& tunnel, const TagTemplate& tag,
                                  const LayoutWish& wish);
 
@@ -67,8 +67,8 @@ struct DraftPart {
 
 // The draft in as few parts along the drive as have codes of one centimetre, named NAME-1, NAME-2
 // and so on; pairs stay together, and no two tags of all parts have one code. Surveyed tags keep
-// their names; a series begins anew in each part. Fails when one pair alone spans too much, when no
-// code keeps a part apart from the others, and where the list says digits.
+// their names; a series begins anew in each part. Fails when a single pair spans too much, when no
+// code distinguishes a part from the others, and where the list states digits.
 Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft);
 
 // The survey file of a draft. Positions of P are those of the list, to the micrometre.

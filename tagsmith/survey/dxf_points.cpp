@@ -18,7 +18,8 @@ namespace {
 struct DxfVertex {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   int line = 0;
-  // Of the arc to the next vertex: the tangent of a quarter of its angle, positive to the left.
+  // The bulge of the arc to the next vertex: the tangent of a quarter of its angle, positive to the
+  // left.
   double bulge = 0;
 };
 
@@ -56,14 +57,14 @@ Eigen::Matrix3d world_from_entity(const DxfEntity& entity) {
   return axes;
 }
 
-// Of a polyline that is drawn with arcs, metres.
+// For a polyline that is drawn with arcs, metres.
 constexpr double kSagitta = 0.002;  // of chords between its points, at most
 constexpr double kStep = 1;         // between points of its straight parts, at most
 
 // Points between two vertices, without these: on their arc, or straight. `metre`: in the drawing's
 // unit.
 std::vector<DxfVertex> points_between(const DxfVertex& from, const DxfVertex& to, double metre) {
-  constexpr double kMost = 1e5;       // bounds the work
+  constexpr double kMost = 1e5;       // limits the work
   constexpr double kStraight = 1e-3;  // of the sagitta
   const double bulge = from.bulge;
   const Eigen::Vector2d start = from.p.head<2>();
@@ -89,8 +90,8 @@ std::vector<DxfVertex> points_between(const DxfVertex& from, const DxfVertex& to
   return points;
 }
 
-// The points that an entity says, in the world. A polyline that is drawn with arcs has points
-// between its vertices too, since the fit would else follow its vertices alone.
+// The points of an entity, in the world. A polyline that is drawn with arcs has points between its
+// vertices too, since the fit would otherwise follow its vertices alone.
 std::vector<DxfVertex> points_of(const DxfEntity& entity, double metre) {
   const bool is_2d = entity.type == "POLYLINE" && !entity.has(kInSpace);
   const bool has_arcs =
@@ -178,7 +179,7 @@ class DxfPoints {
     if (is_description_(layer)) ++other_entities_[what];
   }
 
-  // Of its own place it has the elevation alone, which holds for vertices that have none.
+  // Of its own place only the elevation is used, for vertices that have none.
   void open_polyline() {
     elevation_ = open_.vertices.empty() || open_.has(kInSpace) ? 0 : open_.vertices[0].p.z();
     open_.vertices.clear();
@@ -274,7 +275,7 @@ void put_group(DxfEntity& entity, int code, std::string_view text, int line, Fin
 }
 
 // Calls `use(line, code, value)` for each group, a code and a value on a line each, until it
-// returns false or the file says its end. Blank values are values.
+// returns false or the file ends. Blank values are values.
 template <class Use>
 void for_each_group(std::string_view text, FindingLog& log, Use use) {
   text = without_mark(text);

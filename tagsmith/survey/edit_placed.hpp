@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Survey files that take over where tags were measured to hang.
+// Updates of survey files with the measured places of tags.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@
 
 namespace tagsmith::detail {
 
-// The survey file's text with these tags in `placed`: their entries changed, or new ones added.
-// The printed digits stay what they are, and so do comments and all else. A tag that was placed
-// where it was designed, not measured, gets that place as its `design`. `survey`: what the text
-// says. Fails where the file is laid out in a way that cannot be changed.
+// The survey file's text with these tags in `placed`: their entries changed, or new ones added. The
+// printed digits stay unchanged, and so do comments and all else. A tag that was placed where it
+// was designed, not measured, gets that place as its `design`. `survey`: the content of the text.
+// Fails where the layout of the file does not allow the change.
 Result<std::string> survey_with_places(std::string_view text, const Survey& survey,
                                        const std::vector<AsBuiltPlace>& places);
 

@@ -42,7 +42,7 @@ std::vector<std::string> replaced_keys() {
   return keys;
 }
 
-// What rounds to zero is written without its sign.
+// A value that rounds to zero is written without its sign.
 std::string decimal_text(double value, int decimals) {
   const double half = 0.5 * std::pow(10.0, -decimals);
   return fmt::format("{:.{}f}", std::abs(value) < half ? 0.0 : value, decimals);
@@ -54,8 +54,8 @@ struct SigmaPart {
   std::string value;
 };
 
-// The camera's `sigma` with these parts in it. Where all was exact, what is not among them stays
-// so.
+// The camera's `sigma` with these parts in it. Where everything was exact, parts that are not among
+// them stay exact.
 Result<std::string> with_sigma(const std::string& text, const std::vector<std::string>& path,
                                const YamlNode* sigma, const std::vector<SigmaPart>& parts) {
   if (sigma != nullptr && sigma->kind == YamlNode::Kind::map && !sigma->keys.empty()) {

@@ -20,7 +20,7 @@ struct Replacement {
   std::string text;
 };
 
-// The later places first, so that the earlier ones hold.
+// The later places first, so that the earlier ones stay valid.
 std::string replaced(std::string_view text, std::vector<Replacement> all) {
   std::ranges::stable_sort(all, std::greater<>{}, &Replacement::begin);
   std::string edited(text);
@@ -28,8 +28,8 @@ std::string replaced(std::string_view text, std::vector<Replacement> all) {
   return edited;
 }
 
-// Where in the text the word stands that a node or key at this place was read from; columns may
-// count characters instead of bytes, so that it is looked for from there on in its line.
+// The offset in the text of the word that a node or key at this place was read from; columns may
+// count characters instead of bytes, so the search begins at that column of its line.
 std::optional<std::size_t> offset_of(std::string_view text, const Place& place,
                                      std::string_view word) {
   std::size_t line_start = 0;
@@ -126,7 +126,7 @@ std::size_t next_line(std::string_view text, std::size_t at) {
   return std::min(text.find('\n', at), text.size() - 1) + 1;
 }
 
-// Where the lines of a block map's entry end: those of its value, and whatever is indented more.
+// Where the lines of a block map's entry end: those of its value, and all that are indented more.
 std::size_t end_of_block_entry(std::string_view text, std::size_t key, const YamlNode& value,
                                const Place& place) {
   const std::size_t indent = key - (text.rfind('\n', key) + 1);
@@ -205,7 +205,7 @@ Result<std::string> key_removed(std::string_view text, const std::vector<std::st
   const std::optional<Replacement> cut = entry_at(text, *map, *index);
   std::string edited(text);
   if (cut) edited.erase(cut->begin, cut->length);
-  // What is left must be what was there less the key: the cut rests on the text, not on the tree.
+  // The result must be the former content without the key: the cut uses the text, not the tree.
   remove_from_tree(*root, path, 0, key);
   const std::optional<YamlNode> after = parse_yaml(edited, log);
   if (cut && after && are_equal(*after, *root)) return edited;
@@ -270,7 +270,7 @@ Result<void> add_item_edit(std::string_view text, const YamlNode& map, const Yam
   return {};
 }
 
-// Behind the last item of a list, in its manner; at the end of the text where there is no list.
+// Behind the last item of a list, in the same style; at the end of the text where there is no list.
 Result<Replacement> items_appended(std::string_view text, const YamlNode* list,
                                    const std::string& name,
                                    const std::vector<std::string>& appended) {
@@ -326,7 +326,7 @@ Result<std::string> edit_yaml_list(std::string_view text, const std::string& lis
   if (!root) return fail(to_string(log.sorted(), true));
   const YamlNode* items = value_at(*root, list);
   std::vector<Replacement> all;
-  // First: where it meets an entry's end, that entry's new keys come before it.
+  // First: where it coincides with an entry's end, that entry's new keys come before it.
   if (!appended.empty()) {
     auto added = items_appended(text, items, list, appended);
     if (!added) return fail(added.error().message);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of single keys in a YAML file that leave its layout and comments alone.
+// Changes of single keys in a YAML file that leave its layout and comments unchanged.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace tagsmith::detail {
 
-// `key: value` in the map that the path leads to. Where the map has no such key, it takes the place
-// of the key `instead_of`, or else becomes the map's first.
+// `key: value` in the map that the path leads to. Where the map has no such key, it is put in the
+// place of the key `instead_of`, or else becomes the map's first.
 struct YamlEdit {
   std::vector<std::string> path;
   std::string key;
@@ -25,8 +25,8 @@ struct YamlEdit {
 Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>& edits);
 
 // The text without these keys of the map that the path leads to, whatever their values; keys that
-// the map does not have are passed over. Comments on lines of their own stay. Fails when the text
-// is no YAML, the map is missing, or a key cannot be cut out without changing anything else.
+// the map does not have are ignored. Comments on lines of their own stay. Fails when the text is no
+// YAML, the map is missing, or a key cannot be cut out without changing anything else.
 Result<std::string> remove_yaml_keys(std::string_view text, const std::vector<std::string>& path,
                                      const std::vector<std::string>& keys);
 
@@ -36,10 +36,10 @@ struct YamlItemEdit {
   std::vector<std::pair<std::string, std::string>> values;  // key and value, as YAML text
 };
 
-// The text with these values in the items of the list at its top (keys that an item has not are put
-// behind its last), and these maps, as YAML text, behind the last item; a list that is missing is
-// put at the end. Comments stay where they are. Fails when a list or value cannot be changed as it
-// is laid out.
+// The text with these values in the items of the list at its top (keys that an item does not have
+// are put behind its last), and these maps, as YAML text, behind the last item; a list that is
+// missing is put at the end. Comments stay where they are. Fails when the layout does not allow a
+// list or value to be changed.
 Result<std::string> edit_yaml_list(std::string_view text, const std::string& list,
                                    const std::vector<YamlItemEdit>& edits,
                                    const std::vector<std::string>& appended);

@@ -17,7 +17,7 @@ namespace {
 constexpr double kOnWall = 0.1;          // metres that a plate may be off its wall's plane
 constexpr double kLeastScatter = 0.05;   // metres
 constexpr std::size_t kNeighbours = 3;   // on either side
-constexpr std::size_t kLeastOnWall = 5;  // tags that make a wall's habits
+constexpr std::size_t kLeastOnWall = 5;  // tags from which a wall's usual values are determined
 
 struct Habit {
   std::vector<PlateAddress> addresses;
@@ -38,7 +38,7 @@ Habit habit_of(const Survey& survey, const std::vector<const SourcedTag*>& wall)
   return habit;
 }
 
-// By the tags on either side of the i-th.
+// From the tags on either side of the i-th.
 ExpectedPlace by_neighbours(const std::vector<const SourcedTag*>& wall, const Habit& habit,
                             std::size_t i) {
   std::vector<double> chainages;
@@ -83,7 +83,7 @@ void set_tolerances(const std::vector<PlateAddress>& addresses, double pitch,
   }
 }
 
-// A way the coordinates may have been meant.
+// Coordinates that may have been meant.
 struct Slip {
   Eigen::Vector3d p_in_grid;
   std::string words;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a surveyed tag would be expected to hang, from the design or from its neighbours, and the
-// slip of the pen that explains why it does not. Internal to tagsmith/survey.
+// slip in writing that explains why it does not. Internal to tagsmith/survey.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ struct PlateAddress {
 
 PlateAddress plate_address(const Survey& survey, Side side, const Eigen::Vector3d& p_in_grid);
 
-// What a tag's neighbours (or the design) say of its address, and how far off it a good one may be.
+// The address of a tag by its neighbours (or the design), and how far off it a good one may be.
 struct ExpectedPlace {
   double chainage = 0;
   double height = 0;
@@ -35,17 +35,16 @@ struct ExpectedPlace {
 };
 
 // The expectation for each tag of one wall, in the order given (by pair). Where a measured tag
-// replaces a designed one, the design says it. Elsewhere the three tags on either side do, by the
-// median of what each says, so that a wrong one spoils none of its neighbours' expectations;
-// nothing on a wall of fewer than five tags. Tolerances grow with the scatter of the wall's own
-// tags.
+// replaces a designed one, it is the design. Elsewhere it is the median over the three tags on
+// either side, so that a wrong one does not affect its neighbours' expectations; nothing on a wall
+// of fewer than five tags. Tolerances grow with the scatter of the wall's own tags.
 std::vector<std::optional<ExpectedPlace>> expected_places(
     const Survey& survey, const std::vector<const SourcedTag*>& wall);
 
 bool fits_along(const PlateAddress& address, const ExpectedPlace& expected);
 bool fits_in_height(const PlateAddress& address, const ExpectedPlace& expected);
 
-// How the coordinates may have been meant: x and y exchanged, a sign lost, the decimal point one
+// The coordinates that may have been meant: x and y exchanged, a sign lost, the decimal point one
 // place off, two neighbouring digits exchanged (147.19 for 174.19). Nothing unless exactly one such
 // slip puts the plate on its wall where it is expected.
 std::optional<std::string> likely_slip(const Survey& survey, const PlacedTag& tag,

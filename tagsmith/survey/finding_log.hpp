@@ -28,12 +28,12 @@ class FindingLog {
              std::optional<TextEdit> fix = {});
   void warning(Place place, std::string code, std::string message, std::string hint = {});
 
-  // Findings of another file (a template that the survey names), taken over as they are.
+  // Adds the findings of another file (a template that the survey names) unchanged.
   void append(const std::vector<Diagnostic>& diagnostics);
 
   bool has_errors() const { return tagsmith::detail::has_errors(diagnostics_); }
 
-  // In the order of the file; what was left out is said last.
+  // In the order of the file; the number left out comes last.
   std::vector<Diagnostic> sorted() const;
 
  private:

@@ -34,7 +34,7 @@ std::vector<Value> thinned(const std::vector<Value>& values, std::size_t most) {
   return result;
 }
 
-// Where the point makes the way through the others longest by least.
+// The place in the list where the point lengthens the way least.
 std::size_t place_on_way(const std::vector<PlanPoint>& way, const PlanPoint& point) {
   double least = kInfinity;
   std::size_t best = 0;
@@ -50,8 +50,8 @@ std::size_t place_on_way(const std::vector<PlanPoint>& way, const PlanPoint& poi
   return best;
 }
 
-// The points of a side along the drive. Walls and tags are lists of their own, each in order: those
-// of the shorter one are put into the way of the longer one.
+// The points of a side along the drive. Walls and tags are separate lists, each in order: those of
+// the shorter one are inserted into the way of the longer one.
 std::vector<PlanPoint> points_of_side(const std::vector<PlanPoint>& points, int side) {
   std::vector<PlanPoint> walls;
   std::vector<PlanPoint> tags;
@@ -69,8 +69,8 @@ std::vector<PlanPoint> points_of_side(const std::vector<PlanPoint>& points, int 
   return way;
 }
 
-// Between each left point and the nearest right one: in the middle, or as their offsets divide the
-// way where these are known.
+// Between each left point and the nearest right one: in the middle, or divided by their offsets
+// where these are known.
 std::vector<Vector2d> line_between(const std::vector<PlanPoint>& left,
                                    const std::vector<PlanPoint>& right) {
   std::vector<Vector2d> result;
@@ -90,7 +90,7 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - share * along).norm();
 }
 
-// Without points that stand far aside from the way between their neighbours, and without steps too
+// Without points that lie far aside from the way between their neighbours, and without steps too
 // short to have a direction.
 std::vector<Vector2d> without_jumps(const std::vector<Vector2d>& guide, double least_step) {
   std::vector<Vector2d> kept;
@@ -318,7 +318,7 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
   return model;
 }
 
-// How far the points lie from the guide, in the median.
+// How far the points lie from the guide, as a median.
 double reach_of(const std::vector<PlanPoint>& points, const std::vector<Vector2d>& guide) {
   std::vector<double> distances;
   for (const PlanPoint& point : points) {
@@ -360,10 +360,10 @@ PlanModel first_model(const std::vector<PlanPoint>& points, const std::vector<Ve
   return model;
 }
 
-// Arcs that are lines as far as the points can tell become lines, as long as no point leaves the
+// Arcs that the points do not distinguish from lines become lines, as long as no point leaves the
 // tolerance.
 PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, double tolerance) {
-  constexpr double kSurelyArc = 0.5;  // radians: saves the trial
+  constexpr double kSurelyArc = 0.5;  // radians: no trial is needed
   for (Eigen::Index i = 0; i < model.count(); ++i) {
     if (std::abs(model.curvature(i)) * model.length(i) > kSurelyArc) continue;
     PlanModel tried = model;
@@ -371,7 +371,7 @@ PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, do
     tried = adjusted(tried, points, tolerance);
     const VectorXd left = residuals_of(tried, points);
     const double before = residuals_of(model, points).squaredNorm();
-    // An arc earns its place by a third of the squares.
+    // An arc must lower the squares by a third.
     const bool as_good =
         left.squaredNorm() < 1.5 * before + 1e-8 * static_cast<double>(left.size());
     if (as_good && left.cwiseAbs().maxCoeff() <= tolerance) model = tried;

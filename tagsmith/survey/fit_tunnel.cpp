@@ -22,7 +22,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// -1 left, 1 right, 0 middle; nothing for points that are anywhere across.
+// -1 left, 1 right, 0 middle; nothing for points that may lie anywhere across.
 std::optional<int> side_of(PointKind kind) {
   switch (kind) {
     case PointKind::left_tag:
@@ -81,8 +81,8 @@ std::vector<Eigen::Index> grades_of(const std::vector<CenterlineElement>& elemen
   return grades;
 }
 
-// Length of what has each grade before the chainage; the first and the last element go on beyond
-// their ends.
+// Length with each grade before the chainage; the first and the last element continue beyond their
+// ends.
 VectorXd lengths_before(const std::vector<CenterlineElement>& elements,
                         const std::vector<Eigen::Index>& grades, double chainage) {
   VectorXd lengths = VectorXd::Zero(grades.back() + 1);
@@ -101,7 +101,7 @@ Floor fit_floor(const std::vector<CenterlineElement>& elements,
   const auto rows = static_cast<Eigen::Index>(points.size());
   const std::vector<Eigen::Index> grade_of = grades_of(elements);
   const Eigen::Index grades = grade_of.back() + 1;
-  constexpr double kSmooth = 1e-6;  // elements without floor points go on as their neighbours do
+  constexpr double kSmooth = 1e-6;  // elements without floor points continue like their neighbours
   constexpr double kLevel = 1e-6;
   MatrixXd a = MatrixXd::Zero(rows + grades, 1 + grades);
   VectorXd b = VectorXd::Zero(rows + grades);
@@ -204,13 +204,13 @@ std::vector<std::size_t> likely_slips(const std::vector<HeightStation>& points) 
   return places;
 }
 
-// As fit_grades, without one to three points whose absence makes the rest fit three times as well:
+// As fit_grades, without one to three points whose removal makes the rest fit three times as well:
 // grades would follow a slip of the staff. The floor's `ups` are those of all points.
 Floor fit_floor_without_slips(const std::vector<CenterlineElement>& elements,
                               const std::vector<HeightStation>& points, double tolerance) {
   constexpr int kMostSlips = 3;
   constexpr double kBetter = 3;
-  constexpr std::size_t kMostPoints = 2'000;  // of more, a few tell too little to try
+  constexpr std::size_t kMostPoints = 2'000;  // of more, a few have too little effect to try
   Floor floor = fit_grades(elements, points, tolerance);
   std::vector<HeightStation> kept = points;
   for (int slip = 0; slip < kMostSlips && points.size() <= kMostPoints; ++slip) {
@@ -237,24 +237,24 @@ Floor fit_floor_without_slips(const std::vector<CenterlineElement>& elements,
   return floor;
 }
 
-// ---- What is said when it does not work.
+// ---- Messages when the fit fails.
 
 bool says_offsets(const std::vector<SurveyedPoint>& points) {
   return std::ranges::all_of(points,
                              [](const SurveyedPoint& point) { return point.offset.has_value(); });
 }
 
-// Walls of rock that no line keeps to within the tolerance.
+// Walls of rock that no line follows within the tolerance.
 struct Roughness {
   double rms = 0;
   double tolerance = 0;  // that takes them, whole centimetres
 };
 
-// The least tolerance, in steps of a third from what the best fit leaves, with which the points fit
-// a tunnel; nothing where even a quarter of its width does not do.
+// The least tolerance, in steps of a third from the residuals of the best fit, with which the
+// points fit a tunnel; nothing where even a quarter of its width is not enough.
 std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& all, const PlanFit& best,
                                       double tolerance) {
-  constexpr std::size_t kMostPoints = 2'000;  // they tell the scatter
+  constexpr std::size_t kMostPoints = 2'000;  // enough to determine the scatter
   constexpr double kStep = 1.33;
   constexpr double kOfWidth = 0.25;
   constexpr double kGreatest = 2;
@@ -276,7 +276,7 @@ std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& all, const P
   return std::nullopt;
 }
 
-// Plates, whose offsets the list says, are not rough.
+// Plates, whose offsets the list states, are not rough.
 std::string advice_on(const std::vector<PlanPoint>& fitted, const PlanFit& fit, std::size_t off,
                       double tolerance, bool says_offsets) {
   if (off * 4 <= fitted.size()) return "\nmeasure these again, or take them out";
@@ -347,7 +347,7 @@ std::vector<PlanPoint> plan_points(const std::vector<SurveyedPoint>& points, con
     result.push_back({world_from_grid(grid, point.in_grid).head<2>(), *side, half,
                       measured_walls ? point.offset : std::nullopt, i});
   }
-  // Where the list says chainages, its order need not be that of the drive.
+  // Where the list states chainages, its order need not be that of the drive.
   std::ranges::stable_sort(
       result, {}, [&](const PlanPoint& point) { return points[point.index].chainage.value_or(0); });
   return result;
@@ -368,7 +368,7 @@ Centerline moved_by(const Centerline& line, const Eigen::Vector2d& shift) {
   return {start.position + Vector3d(shift.x(), shift.y(), 0), start.heading, line.elements()};
 }
 
-// A plan through the points that say where across the tunnel they lie.
+// A plan through the points whose place across the tunnel is known.
 struct WallPlan {
   std::vector<PlanPoint> points;
   PlanFit fit;
@@ -381,7 +381,7 @@ Result<WallPlan> fit_walls(const std::vector<SurveyedPoint>& points, const Grid&
   const double tolerance = options.tolerance;
   WallPlan plan{plan_points(points, grid, tag, measured_walls), {}, measured_walls};
   if (plan.points.empty()) return fail("no points of walls, center line or tags");
-  // National coordinates are long; near zero nothing of them is lost.
+  // National coordinates are long; near zero they lose no digits.
   const Eigen::Vector2d shift = plan.points.front().p;
   for (PlanPoint& point : plan.points) point.p -= shift;
   std::optional<PlanFit> fit = options.alignment
@@ -401,7 +401,7 @@ Result<WallPlan> fit_walls(const std::vector<SurveyedPoint>& points, const Grid&
   return plan;
 }
 
-// Walls that are measured at offsets of their own are taken so where no even width fits.
+// Walls that are measured at separate offsets are used so where no even width fits.
 Result<WallPlan> plan_of_walls(const std::vector<SurveyedPoint>& points, const Grid& grid,
                                const TagTemplate& tag, const TunnelFitOptions& options) {
   const auto fit = [&](bool measured) { return fit_walls(points, grid, tag, options, measured); };
@@ -477,7 +477,7 @@ Centerline with_ends(const WallPlan& plan, const std::vector<SurveyedPoint>& poi
           elements_between(elements, from + before, most + margin + before)};
 }
 
-// An alignment whole, and a margin more only where points lie beyond a straight end.
+// The whole alignment, with a margin only where points lie beyond a straight end.
 Centerline prolonged(const WallPlan& plan, double margin) {
   constexpr double kBeyond = 0.01;
   const Centerline& line = plan.fit.line;
@@ -496,7 +496,7 @@ Centerline prolonged(const WallPlan& plan, double margin) {
 // Without the stations that lie on the line between those kept, to half a millimetre.
 std::vector<ProfileStation> simplified(const std::vector<ProfileStation>& stations) {
   constexpr double kSame = 5e-4;
-  constexpr std::size_t kMostLeftOut = 200;  // in a row: keeps the work linear
+  constexpr std::size_t kMostLeftOut = 200;  // in a row: limits the work
   std::vector<ProfileStation> kept{stations.front()};
   std::size_t start = 0;
   while (start + 1 < stations.size()) {
@@ -520,8 +520,8 @@ std::vector<ProfileStation> simplified(const std::vector<ProfileStation>& statio
 }
 
 // The profile through the stations. Those within 5 cm of each other along the drive become one:
-// their mean, or the farthest where they contradict each other (rock is behind what stands before
-// it).
+// their mean, or the farthest where they contradict each other (objects stand before the rock, not
+// behind it).
 ChainageProfile through(std::vector<ProfileStation> stations) {
   constexpr double kOne = 0.05;
   constexpr double kContradict = 0.1;
@@ -548,7 +548,7 @@ ChainageProfile through(std::vector<ProfileStation> stations) {
   return ChainageProfile(simplified(merged));
 }
 
-// A plate that looks along the drive rather than across it hangs on no wall.
+// A plate that faces along the drive rather than across it hangs on no wall.
 bool hangs_on_wall(const SurveyedPoint& point, const Grid& grid, double drive_heading) {
   constexpr double kMostTurned = radians(20);
   if (!point.attitude || !point.attitude->facing) return true;
@@ -589,7 +589,7 @@ Result<void> measure_walls(Tunnel& tunnel, const std::vector<SurveyedPoint>& poi
   return {};
 }
 
-// Of the roof above the floor: at its points (RF), or where the list says it.
+// The height of the roof above the floor: at its points (RF), or as the list states it.
 Result<ChainageProfile> fit_roof(const Centerline& line, const std::vector<SurveyedPoint>& points,
                                  const Grid& grid, bool measured_walls,
                                  const TunnelFitOptions& options) {

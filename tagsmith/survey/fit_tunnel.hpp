@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tunnel that surveyed points speak of: a center line of lines and arcs, width, grades, height.
+// The tunnel that surveyed points describe: a center line of lines and arcs, width, grades, height.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 namespace tagsmith::detail {
 
 struct TunnelFitOptions {
-  // A point further from where the fit has it does not fit, metres: across (walls and the plates on
+  // A point that is farther from the fit than this is off, metres: across (walls and the plates on
   // them), and up and down (floors of rock are rough).
   double tolerance = 0.03;
   double floor_tolerance = 0.25;
@@ -21,15 +21,15 @@ struct TunnelFitOptions {
   std::optional<double> roof_height;  // of the roof above the floor, where there are no roof points
   // Walls that run through their points, and a roof through its own, instead of one width and one
   // height. The center line then comes from its own points (CL), or from the offsets that the list
-  // says, and nothing tells a wrong point of a wall from a bulge; without either it runs midway
-  // between walls that keep to the tolerance.
+  // states, and a wrong point of a wall cannot be distinguished from a bulge; without either it
+  // runs midway between walls that are straight within the tolerance.
   bool measured_walls = false;
-  // The center line as designed, level, in the world: taken as it is, and only prolonged where
+  // The center line as designed, level, in the world: used unchanged, and only prolonged where
   // points lie beyond its ends.
   std::optional<Centerline> alignment;
 };
 
-// How a point lies to the fitted tunnel, metres.
+// Where a point lies relative to the fitted tunnel, metres.
 struct PointResidual {
   double chainage = 0;
   std::optional<double> across;  // further to the right than fitted; nothing for floor and roof
@@ -45,12 +45,12 @@ struct TunnelFit {
 
 // Fits the fewest lines and arcs, joined without bends (at most kMostFittedElements), with which
 // every point is within the tolerances: plates are tangent to their wall at their middle, as a
-// survey places them. Points of one kind must be listed along the drive; a point or two aside from
-// the others are found and named. Where the list says chainages, the line starts where they do,
-// else a plate's length before the first point. Fails, naming the points, when some fit no tunnel,
-// when left and right are exchanged, and when something cannot be known (width, floor, roof).
-// A list that says offsets and fits no one width gets measured walls by itself: the offsets check
-// the points.
+// survey places them. Points of one kind must be listed along the drive; a point or two that lie
+// aside from the others are found and named. Where the list states chainages, the line starts where
+// they do, else a plate's length before the first point. Fails, naming the points, when some fit no
+// tunnel, when left and right are exchanged, and when something cannot be known (width, floor,
+// roof). A list that states offsets and fits no one width gets measured walls automatically: the
+// offsets check the points.
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options);
 

@@ -33,7 +33,7 @@ struct GradeChange {
   // Of a parabola, horizontally, before and behind the station; both 0: a corner.
   double before = 0;
   double behind = 0;
-  // Of a circular arc, whose length may be said too.
+  // For a circular arc, whose length may be stated too.
   std::optional<double> radius{};
   std::optional<double> arc_length{};
 };
@@ -43,7 +43,7 @@ using VerticalProfile = std::vector<Eigen::Vector2d>;
 
 using Eigen::Vector2d;
 
-constexpr double kMostChords = 500;  // of one curve: bounds the work
+constexpr double kMostChords = 500;  // of one curve: limits the work
 
 double grade_between(const Vector2d& from, const Vector2d& to) {
   return (to.y() - from.y()) / (to.x() - from.x());
@@ -53,8 +53,8 @@ int chords(double count) {
   return static_cast<int>(std::ceil(std::clamp(count, 1.0, kMostChords)));
 }
 
-// Two parabolas that meet above the change of grade with one tangent, as long as it says before and
-// behind it; of equal lengths they are one.
+// Two parabolas that meet above the change of grade with one tangent, with the stated lengths
+// before and behind it; with equal lengths they are one.
 VerticalProfile parabola(const GradeChange& change, double grade_before, double grade_behind,
                          double sag) {
   const auto& [at, before, behind, radius, length] = change;
@@ -110,7 +110,7 @@ Result<VerticalProfile> points_of(const std::vector<GradeChange>& changes, std::
 
 // The changes of grade with their curves as chords that are off them by at most `sag`. Fails with
 // words for the user where stations do not rise, curves overlap or begin beyond the profile, or an
-// arc is not as long as it says.
+// arc does not have its stated length.
 Result<VerticalProfile> profile_of_grades(const std::vector<GradeChange>& changes, double sag) {
   constexpr double kSame = 1e-3;  // between the end of one curve and the begin of the next
   for (std::size_t i = 1; i < changes.size(); ++i) {
@@ -133,13 +133,13 @@ Result<VerticalProfile> profile_of_grades(const std::vector<GradeChange>& change
   return profile;
 }
 
-// Whether the profile says a height there, to `slack`.
+// Whether the profile has a height there, to `slack`.
 bool reaches(const VerticalProfile& profile, double station, double slack) {
   return !profile.empty() && station >= profile.front().x() - slack &&
          station <= profile.back().x() + slack;
 }
 
-// Of a profile that has points; beyond its ends that of its end.
+// For a profile that has points; beyond its ends the height of its end.
 double height_at(const VerticalProfile& profile, double station) {
   const auto next =
       std::ranges::find_if(profile, [&](const Vector2d& p) { return p.x() >= station; });
@@ -295,8 +295,8 @@ bool is_angle(double given, double radians) {
       [&](double each) { return std::abs(each - radians) <= kSame * std::max(1.0, radians); });
 }
 
-// Whether the piece ends where it says and is as long, as tight and as wide in its angle, as far as
-// the node says so.
+// Whether the piece ends where it says and has the stated length, radius and angle, as far as the
+// node states them.
 bool agrees(const pugi::xml_node& node, const Piece& piece, double metre) {
   constexpr double kGap = 0.02;    // metres, as elements may leave between them
   constexpr double kScale = 1e-3;  // of a length: on the ground and in the grid
@@ -314,7 +314,7 @@ bool agrees(const pugi::xml_node& node, const Piece& piece, double metre) {
 
 // ---- The profile.
 
-// Nothing for what is no point of a profile, or lacks a number.
+// Nothing for a node that is no point of a profile, or does not have all numbers.
 std::optional<GradeChange> read_grade_change(const pugi::xml_node& node) {
   const std::string kind = node.name();
   const std::vector<double> numbers = numbers_of(node);
@@ -368,8 +368,8 @@ std::optional<VerticalProfile> read_profile(const pugi::xml_node& node, double m
   return std::nullopt;
 }
 
-// The one profile of the alignment that is not to be ignored, empty where there is none. Nothing,
-// with its error logged, where there are several, or it cannot be read.
+// The only profile of the alignment that is not ignored, empty where there is none. Nothing, with
+// its error logged, where there are several, or it cannot be read.
 std::optional<VerticalProfile> profile_of(const pugi::xml_node& alignment, double metre,
                                           const std::vector<std::string>& ignore,
                                           const TextPlaces& places, FindingLog& log) {
@@ -450,8 +450,8 @@ struct PieceEnd {
   Vector2d at{0, 0};
 };
 
-// Whether a survey can have the elements, and these, put to each other without bends, pass through
-// the pieces' ends.
+// Whether a survey can have the elements, and whether these, joined without bends, pass through the
+// pieces' ends.
 bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double metre) {
   constexpr double kGap = 0.005;  // metres
   if (line.elements.empty() || line.elements.size() > kMostElements) return false;
@@ -473,7 +473,7 @@ void sample_alignment(const pugi::xml_node& alignment, double metre,
                       RawPoints& result, FindingLog& log) {
   constexpr double kStep = 0.5;     // metres
   constexpr double kSlack = 0.01;   // that the profile may be shorter
-  constexpr double kLongest = 2e4;  // metres of alignment: bounds the points
+  constexpr double kLongest = 2e4;  // metres of alignment: limits the points
   const std::string name = alignment.attribute("name").value();
   const auto profile = profile_of(alignment, metre, ignore, places, log);
   if (!profile) return;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What numbers in files may be at most. Internal to tagsmith/survey.
+// Limits of numbers in files. Internal to tagsmith/survey.
 #pragma once
 
 #include <cstddef>
 
 namespace tagsmith::detail {
 
-// ---- What a camera's numbers may be, wherever they are written.
+// ---- Limits of a camera's numbers, wherever they are written.
 
 inline constexpr double kMostPixels = 65'535;   // of an image side
 inline constexpr double kLongestFocalPx = 1e7;  // pixels
 
-// ---- What numbers of a survey file may be at most.
+// ---- Limits of numbers in a survey file.
 
 // Metres: national grids reach 1e7; of tunnel, spacing; of a radius (programs fit arcs that differ
 // from a line by millimetres); of a coordinate's standard deviation.

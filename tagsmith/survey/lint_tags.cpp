@@ -23,7 +23,7 @@ namespace {
 
 // ---- the whole grid ----
 
-// The survey as it were if its grid's x axis pointed to the other side.
+// The survey as it would be if its grid's x axis pointed to the other side.
 Survey mirrored(const Survey& survey) {
   Survey other = survey;
   other.grid.x_axis_left = !survey.grid.x_axis_left;
@@ -54,7 +54,7 @@ double share_at_walls(const Survey& survey, const std::vector<const SourcedTag*>
 
 // ---- single tags ----
 
-// A tag's finding with what may have been meant.
+// A tag's finding with the coordinates that may have been meant.
 void log_odd(const Survey& survey, const SourcedTag& entry, const ExpectedPlace& expected,
              const std::string& code, const std::string& message, const std::string& hint,
              FindingLog& log) {
@@ -93,7 +93,7 @@ bool is_turned(const Survey& survey, const PlacedTag& tag) {
   return is_turned_from_wall(survey.tunnel, survey.tag_template, tag);
 }
 
-// Odd tags of a wall, by their pair.
+// Tags of a wall that differ from the others, by their pair.
 std::map<int, bool> lint_wall(const Survey& survey, const std::vector<const SourcedTag*>& wall,
                               FindingLog& log) {
   std::map<int, bool> odd;
@@ -141,7 +141,7 @@ double middle_chainage(const Survey& survey, const PlacedTag& tag) {
 
 // ---- codes ----
 
-// Digits that print and light confuse, told as one: 1 and 7, 2 and 8.
+// Digits that print and light confuse, counted as one: 1 and 7, 2 and 8.
 Digits look(Digits digits) {
   for (std::uint8_t& digit : digits) {
     if (digit == 7) digit = 1;
@@ -207,7 +207,7 @@ void lint_places(const Survey& survey, const std::vector<SourcedTag>& tags, Find
 
 void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
                 FindingLog& log) {
-  constexpr double kInSight = 20;  // metres: tags that one picture may show, or a gate lets pass
+  constexpr double kInSight = 20;  // metres: tags that one picture may show, or a gate accepts
   std::map<Digits, std::vector<const SourcedTag*>> alike;
   Eigen::Vector3d highest = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
   Eigen::Vector3d lowest = -highest;
@@ -253,7 +253,7 @@ void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place
 }
 
 void lint_series(const Survey& survey, Place tags_place, FindingLog& log) {
-  constexpr double kLeastPairAngle = radians(4);  // an error of d 14 times as large along the drive
+  constexpr double kLeastPairAngle = radians(4);  // an error of d is 14-fold along the drive
   if (survey.series && survey.series->pairs > 0) {
     const double theta = survey.series->pair_angle.value_or(
         std::atan2(survey.tag_template.frame_inner_length, greatest_width(survey.tunnel)));

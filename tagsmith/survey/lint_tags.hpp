@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is unlikely about tags that are placed, although it could be built: warnings that someone
-// who drew the survey would raise. Internal to tagsmith/survey.
+// What is unlikely about tags that are placed, although it could be built: warnings that a
+// colleague of the person who drew the survey would give. Internal to tagsmith/survey.
 #pragma once
 
 #include <vector>
@@ -12,17 +12,17 @@
 namespace tagsmith::detail {
 
 // Logs an error when hardly any surveyed tag lies at its wall, but nearly all do in the mirror
-// image of the grid or with x and y exchanged. True when it did: nothing said about single tags
-// would be worth reading then.
+// image of the grid or with x and y exchanged. True when it did: findings about single tags would
+// then be of no use.
 bool check_grid(const Survey& survey, const std::vector<SourcedTag>& tags, Place placed,
                 FindingLog& log);
 
-// Surveyed tags away from where their neighbours or the design say, along the drive, in height, or
-// from the other plate of their pair. Takes O(n log n) time for n tags.
+// Surveyed tags that are off the place given by their neighbours or the design, along the drive, in
+// height, or from the other plate of their pair. Takes O(n log n) time for n tags.
 void lint_places(const Survey& survey, const std::vector<SourcedTag>& tags, FindingLog& log);
 
 // Codes of tags near each other that differ by likely misreadings alone, and positions that come
-// near the end of what the code can say.
+// near the end of the code's range.
 void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
                 FindingLog& log);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for all tags of a list that `tagsmith export` wrote.
+// The values that all tags of a list by `tagsmith export` share.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct ListedSurvey {
   Grid grid;
 };
 
-// The code under which LandXML (a Feature) and GSI (blocks 41) say it.
+// The code under which LandXML (a Feature) and GSI (blocks 41) have it.
 inline constexpr const char* kListedSurvey = "TAGSMITH";
 
 // As a list says it.

@@ -113,7 +113,7 @@ PlacedTag with_digits(PlacedTag tag, const PositionCode& code, const Digits& dig
   return tag;
 }
 
-// ---- In the words of who hangs them.
+// ---- In words for the people who hang them.
 
 double height_of_p(const Survey& survey, const PlacedTag& tag) {
   return tag.world_from_plate.translation.z() -

@@ -17,7 +17,7 @@ inline constexpr int kMostTags = 1'000'000;
 // "000L" of pair 0, left.
 std::string tag_name(int pair, Side side);
 
-// The pair and side that a name says; nothing for any other text than tag_name's.
+// The pair and side in a name; nothing for any text that tag_name does not return.
 struct TagName {
   int pair = 0;
   Side side = Side::left;
@@ -37,19 +37,19 @@ double left_middle(const Survey& survey, int pair);
 // P mount_height above the floor at P's chainage. `digits` and `coded_in_grid` are left empty.
 PlacedTag place_in_series(const Survey& survey, int pair, Side side);
 
-// A tag whose corner P was surveyed, and where it says so its attitude. `digits` and
+// A tag whose corner P was surveyed, and its attitude where the survey has it. `digits` and
 // `coded_in_grid` are left empty.
 PlacedTag place_surveyed(const Survey& survey, const TagName& name,
                          const Eigen::Vector3d& p_in_grid,
                          const std::optional<PlateAttitude>& attitude = std::nullopt);
 
-// The tag with the digits of its own position; nothing when the code cannot say it.
+// The tag with the digits of its own position; nothing when the code cannot represent it.
 std::optional<PlacedTag> with_own_digits(PlacedTag tag, const PositionCode& code);
 
 // The tag with these printed digits.
 PlacedTag with_digits(PlacedTag tag, const PositionCode& code, const Digits& digits);
 
-// ---- Where each plate goes, in the words of who hangs it.
+// ---- Where each plate belongs, in words for the people who hang them.
 
 // Corner P of a tag: its address along the drive beside its coordinates. Metres.
 struct SettingOut {
@@ -66,9 +66,9 @@ double height_of_p(const Survey& survey, const PlacedTag& tag);
 // Of corner P from the center line, negative = left of the drive.
 double offset_of_p(const Survey& survey, const PlacedTag& tag);
 
-// How far a plate may hang from its place unless the user says otherwise: twice the standard
-// deviation of a surveyed coordinate where the survey states it, but no less than what a tape and a
-// level can do.
+// How far a plate may hang from its place unless the user states it: twice the standard deviation
+// of a surveyed coordinate where the survey states it, but no less than the accuracy of a tape and
+// a level.
 double usual_tolerance(const Survey& survey);
 
 std::vector<SettingOut> setting_out(const Survey& survey, std::span<const PlacedTag* const> tags,
@@ -85,7 +85,7 @@ std::vector<SettingOut> setting_out(const Survey& survey, std::span<const Placed
 // seventh.
 double pair_angle_for(const Survey& survey, const PlacedTag& left, const PlacedTag& right);
 
-// The heading of the drive (world frame) midway between two tags, from how their plates hang.
+// The heading of the drive (world frame) midway between two tags, from their plates' attitudes.
 double heading_between(const PlacedTag& left, const PlacedTag& right);
 
 }  // namespace tagsmith::detail

@@ -40,7 +40,7 @@ std::string without_zeros(std::string_view data) {
   return std::string(data);
 }
 
-// Descriptions are padded with zeros on the left, which eats those of a tag's name.
+// Descriptions are padded with zeros on the left, which hide those of a tag's name.
 std::string gsi_description(std::string_view data) {
   std::string text = without_zeros(data);
   const bool is_tag = !text.empty() && (text.back() == 'L' || text.back() == 'R') &&
@@ -57,8 +57,8 @@ std::optional<double> last_digit(char unit) {
   return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }
 
-// The twelve digits of a tag, which zeros pad; else the text as it is. Zeros alone are an empty
-// word.
+// The twelve digits of a tag, which are padded with zeros; else the text unchanged. Zeros alone are
+// an empty word.
 std::string gsi_digits(std::string_view data) {
   if (without_zeros(data).empty()) return {};
   constexpr std::size_t kDigits = 12;
@@ -67,7 +67,7 @@ std::string gsi_digits(std::string_view data) {
   return std::string(padded ? data.substr(zeros) : data);
 }
 
-// What one block says.
+// The content of one block.
 struct GsiBlock {
   std::string name;
   std::optional<std::string> remark;  // word 71
@@ -136,7 +136,7 @@ std::optional<GsiBlock> read_block(std::string_view line, int number, FindingLog
 
 // ---- RW5.
 
-// Of a record: what is behind the head of one of its fields.
+// For a record: what is behind the head of one of its fields.
 std::optional<std::string> rw5_field(const std::vector<std::string>& fields,
                                      std::string_view head) {
   for (const std::string& each : fields) {
@@ -283,7 +283,7 @@ RawPoints gsi_points(std::string_view text, FindingLog& log) {
   RawPoints result;
   std::optional<bool> codes_first;  // by the first block
   std::string code;
-  std::size_t uncoded = 0;  // from here on points wait for the code that follows them
+  std::size_t uncoded = 0;  // from here on points get the code that follows them
   for_each_line(text, [&](int number, std::string_view line) {
     const auto block = read_block(line, number, log);
     if (!block) return true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points as instruments, field books and CAD write them, told apart by content. Internal to
-// tagsmith/survey: point_list.hpp makes the one list of them.
+// Points as instruments, field books and CAD write them, distinguished by content. Internal to
+// tagsmith/survey: point_list.hpp combines them in one list.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@
 
 namespace tagsmith::detail {
 
-// More are refused: what is made of a point takes some hundred bytes.
+// More are refused: each point takes some hundred bytes of memory.
 inline constexpr std::size_t kMostPoints = 1'000'000;
 
 enum class PointFormat { table, landxml, gsi, rw5, dxf };
@@ -43,15 +43,15 @@ struct RawPoints {
   std::optional<DesignedLine> alignment;
   std::optional<double> metres_per_unit;  // where the file says it
   bool in_some_feet = false;              // the file says feet, but not which
-  bool unit_is_advice = false;            // --units may contradict it: DXF headers are often wrong
-  std::string unknown_unit;               // as the file says it, where it is none that is known
+  bool unit_is_advice = false;            // --units may overrule it: DXF headers are often wrong
+  std::string unknown_unit;               // the file's word for it, where it is no known unit
   std::string epsg_code;                  // where the file names its grid
-  // What it says of all its tags, by the columns of an own list; and on which line.
+  // What the file says of all its tags, by the columns of an own list; and on which line.
   std::map<std::string, std::string> listed;
   int listed_line = 0;
 };
 
-// Of each, what is wrong is logged. A description is the first that the format has of those given.
+// Every fault is logged. A description is the first of those named that the format has.
 
 // LandXML 1.x: CgPoints (code, desc, or name or desc of their group); the one Alignment as points
 // CL at most half a metre apart, with the heights of its one profile as far as that goes. `ignore`:
@@ -64,17 +64,17 @@ RawPoints landxml_points(std::string_view text, const std::vector<std::string>& 
 // of a tag in word 72.
 RawPoints gsi_points(std::string_view text, FindingLog& log);
 
-// Whether layers, attributes and notes of this text say what a point is.
+// Whether layers, attributes and notes with this text say what a point is.
 using IsDescription = std::function<bool(std::string_view)>;
 
-// Carlson and TDS RW5: records SP. Points that other records alone describe are left out, with a
+// Carlson and TDS RW5: records SP. Points that only other records describe are left out, with a
 // warning.
 RawPoints rw5_points(std::string_view text, const IsDescription& is_description, FindingLog& log);
 
 // ASCII DXF: POINT, ends of LINE, vertices of LWPOLYLINE and POLYLINE and points on their arcs, at
 // most 2 mm of sagitta apart, INSERT. Description by an attribute (CODE, DESC, DESCRIPTION, KIND)
-// or the layer. Layers and kinds of entities that say nothing are left out, with a warning.
-// `metres_per_unit`: as the user says.
+// or the layer. Layers and kinds of entities without a meaning are left out, with a warning.
+// `metres_per_unit`: as the user states.
 RawPoints dxf_points(std::string_view text, const IsDescription& is_description,
                      const std::optional<double>& metres_per_unit, FindingLog& log);
 

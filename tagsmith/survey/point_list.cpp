@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char* kCodes = "TL, TR, WL, WR, CL, FL, RF or the name of a tag, as 000L";
 
-// What numbers may be before their unit is known; check_reach says the rest.
+// Limits of numbers before their unit is known; check_reach checks the rest.
 constexpr double kFarthestInMillimetres = 1000 * kFarthest;
 
 struct PointKindWords {
@@ -309,7 +309,7 @@ void check_own_header(const std::vector<std::string>& fields, int line,
             "give the order of the columns: --order PENZD");
 }
 
-// Warns of tags that bear digits which the draft cannot know.
+// Warns of tags with digits that the draft cannot know.
 void check_digits(const PointList& list, FindingLog& log) {
   const auto lacks_digits = [](const SurveyedPoint& point) {
     return point.tag && point.digits.empty();
@@ -348,16 +348,16 @@ void check_names(const std::vector<SurveyedPoint>& points, FindingLog& log) {
 
 // ---- Tables.
 
-// What separates the columns in the first lines of a table.
+// The character that separates the columns in the first lines of a table.
 struct Separator {
   char sign;
   const char* name;
-  std::size_t fitting = 0;         // lines with columns enough
+  std::size_t fitting = 0;         // lines with enough columns
   std::size_t first = 0;           // columns of the first line
   std::set<std::size_t> counts{};  // of columns
 };
 
-// The one that gives columns enough in most of the first lines; of several, the one that always
+// The one that gives enough columns in most of the first lines; of several, the one that always
 // gives the same number of them. An error, once, where there is none.
 std::optional<char> separator_of(std::string_view text, std::size_t least, FindingLog& log) {
   constexpr std::size_t kMostLines = 200;
@@ -401,7 +401,7 @@ void read_table(std::string_view text, const PointListOptions& options,
   list.unit_is_known = own || options.metres_per_unit;
   list.metres_per_unit = options.metres_per_unit.value_or(1);
   const std::size_t least = own ? kOldColumns.front() : columns.size();
-  FindingLog unheard("");  // of an own list the header says what is wrong
+  FindingLog unheard("");  // of an own list the header's faults are reported
   auto separator = separator_of(text, least, own ? unheard : log);
   if (!separator && own) separator = ',';
   bool is_header = own || options.header;
@@ -470,7 +470,7 @@ double unit_of(const RawPoints& raw, const std::optional<double>& asked, Finding
   return asked.value_or(raw.metres_per_unit.value_or(1));
 }
 
-// The number of the file's grid, where it is one of metres as the survey is; else it is told.
+// The number of the file's grid, where it is one of metres as the survey is; else it is reported.
 int epsg_of(const std::string& code, double unit, FindingLog& log) {
   if (code.empty() || code == "0") return 0;
   const std::string name = "EPSG:" + code.substr(0, 20);

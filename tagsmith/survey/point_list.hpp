@@ -34,7 +34,7 @@ struct SurveyedPoint {
   std::string name;
   PointKind kind = PointKind::floor;
   Eigen::Vector3d in_grid = Eigen::Vector3d::Zero();
-  bool has_height = true;          // false: z says nothing
+  bool has_height = true;          // false: z has no meaning
   bool of_alignment = false;       // sampled from a designed center line, not surveyed
   int line = 0;                    // in the file
   std::optional<TagName> tag;      // nothing: to be numbered along the drive
@@ -61,7 +61,7 @@ inline bool is_tag(const SurveyedPoint& point) {
 struct PointList {
   std::vector<SurveyedPoint> points;
   std::optional<ListedSurvey> survey;       // of lists of `tagsmith export`
-  bool unit_is_known = false;               // said by the file or the user, not taken for metres
+  bool unit_is_known = false;               // stated by file or user, not assumed to be metres
   double metres_per_unit = 1;               // of the file's numbers
   int epsg = 0;                             // where the file names its grid
   std::optional<DesignedLine> alignment{};  // the center line, where the file has it whole; metres
@@ -77,11 +77,11 @@ struct PointListOptions {
   std::string order;
   bool header = false;                    // the first line names the columns (own lists always do)
   std::vector<std::string> ignore;        // descriptions that are left out, and names of alignments
-  std::optional<double> metres_per_unit;  // as the user says; else the file does, or it is 1
+  std::optional<double> metres_per_unit;  // as the user states; else from the file, or 1
 };
 
 // A table with commas, semicolons or tabs, whichever gives enough columns, LandXML, Leica GSI, RW5
-// or ASCII DXF, told apart by content. With semicolons and tabs a decimal comma is one.
+// or ASCII DXF, distinguished by content. With semicolons and tabs a decimal comma is accepted.
 // Descriptions are compared by their first word, in any case of letters. Where there is an
 // alignment, points CL of the file are floor points. Fails when the file cannot be read, is of no
 // such kind, or the order names no usable columns.

@@ -63,7 +63,7 @@ using Points = std::vector<const SurveyedPoint*>;
 Eigen::Vector2d place_of(const SurveyedPoint& point) { return point.in_grid.head<2>(); }
 
 // Whether this point lies before the one before it or beyond the one behind, along the way between
-// these, by as much as that way is long and a metre. Across it walls have niches and bends.
+// these, by more than the length of that way plus a metre. Across it walls have niches and bends.
 bool is_detour(const Points& points, std::size_t i) {
   constexpr double kRough = 1;  // metres
   const Eigen::Vector2d before = place_of(*points[i - 1]);
@@ -89,7 +89,8 @@ double way_along(const Points& points) {
   return way;
 }
 
-// The points near a detour without which there is none: those that leave about the shortest way.
+// The points near a detour without which there is none: those whose removal leaves about the
+// shortest way.
 Points culprits(const Points& points, std::size_t detour) {
   constexpr double kAboutAsShort = 1.1;
   struct Culprit {

@@ -25,7 +25,7 @@ constexpr const char* kFormats =
     "or "
     "a kalibr camchain";
 
-// A key of the file and its value; the formats spell one thing in several ways.
+// A key of the file and its value; the formats spell one key in several ways.
 struct Entry {
   std::string key;
   const YamlNode* value = nullptr;
@@ -282,7 +282,7 @@ bool shows_whole_image(const YamlNode& root, FindingLog& log) {
       const YamlNode* node = value_at(map, key, log);
       return node != nullptr ? parse_number(node->text).value_or(0) : 0;
     };
-    // 0, and all of it, stand for the whole image.
+    // 0, and the full size, mean the whole image.
     const auto is_part = [&](const char* key) {
       const double part = pixels(*roi, key);
       const double all = pixels(root, key);

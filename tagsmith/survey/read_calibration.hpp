@@ -18,7 +18,7 @@ struct CalibrationRequest {
   std::optional<LensModel> model;  // what four coefficients mean where the file does not say
 };
 
-// Reads, told apart by their contents:
+// Reads these formats, distinguished by their contents:
 // - OpenCV's FileStorage, YAML or XML: camera_matrix, distortion_coefficients (4, 5 or 8; 12 or 14
 //   with nothing in the last ones), image_width, image_height, fisheye_model;
 // - ROS sensor_msgs/CameraInfo, as camera_calibration_parsers writes it and as a message is

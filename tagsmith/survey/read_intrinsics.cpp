@@ -155,7 +155,7 @@ std::optional<Intrinsics> read_calibration_file(const MapReader& map,
 
 // --- plausibility ---
 
-// Numbers that hardly belong to this camera and image size. `place`: of what says them.
+// Numbers that are improbable for this camera and image size. `place`: where they are stated.
 void warn_of_odd_lens(const MapReader& map, Place place, const Camera& camera) {
   FindingLog& log = map.log();
   if (!in_image(camera, {camera.cx, camera.cy})) {

@@ -16,12 +16,12 @@ namespace tagsmith::detail {
 // The keys of a camera that these functions read.
 std::vector<std::string> intrinsics_keys();
 
-// What the camera's keys say of it, whether or not they are right.
+// The camera's keys, whether or not they are right.
 IntrinsicsSource intrinsics_source(const MapReader& map);
 
 struct Intrinsics {
   Camera camera;
-  std::filesystem::path calibration;  // the file that says them; empty = the rig does
+  std::filesystem::path calibration;  // the file that states them; empty = the rig does
 };
 
 // By a data sheet, by numbers, or by a calibration file, which is looked for beside the rig in

@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kLargestVehicle = 100.0;     // metres
-constexpr double kDefaultHeightSigma = 0.05;  // metres: likewise, and what wheels sink in
-constexpr double kDefaultAttitude = 2.0;      // degrees: what an undulating floor does to a crawler
+constexpr double kDefaultHeightSigma = 0.05;  // metres: likewise, and how far wheels sink in
+constexpr double kDefaultAttitude = 2.0;      // degrees: of a crawler on an undulating floor
 
 // With a hint the key is required.
 std::optional<Side> read_side(const MapReader& map, std::string_view key,
@@ -60,7 +60,7 @@ const char* source_text(IntrinsicsSource source) {
   }
 }
 
-// `sigma: 0` of a camera calls all its parts exact; no other number stands for all of them.
+// `sigma: 0` of a camera makes all its parts exact; no other number may replace all of them.
 void check_exact(const YamlNode& node, const std::string& name, FindingLog& log) {
   if (!node.quoted && parse_number(node.text) == 0) return;
   log.error(node.place, "wrong-type",
@@ -68,7 +68,7 @@ void check_exact(const YamlNode& node, const std::string& name, FindingLog& log)
                 "`, expected 0 (all exact), or a map with position, angle, focal, center, edge");
 }
 
-// What the camera's `sigma` says; what it leaves out is taken as usual.
+// The camera's `sigma`; for parts that are left out the usual values are assumed.
 void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
   const YamlNode* node = keys.find("sigma");
   if (node != nullptr && node->kind == YamlNode::Kind::scalar) {
@@ -98,7 +98,7 @@ void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
   if (!map.has("focal") || !map.has("center")) camera.assumed_sigma += source_text(source);
 }
 
-// Depth of field: a focus says nothing without the lens opening, nor the other way round.
+// Depth of field: a focus has no meaning without the lens opening, nor the reverse.
 void read_focus(const MapReader& map, RigCamera& camera) {
   camera.focus = map.number_if_there("focus", above_zero(10'000, "m"));
   const auto aperture = map.number_if_there("aperture_mm", above_zero(1000, "mm"));

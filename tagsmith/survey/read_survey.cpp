@@ -110,7 +110,7 @@ std::string read_date(const YamlNode* node, const std::string& name, FindingLog&
   return {};
 }
 
-// Nothing when no key speaks of it.
+// Nothing when no key states it.
 std::optional<PlateAttitude> read_attitude(const MapReader& map) {
   if (!map.has("facing") && !map.has("tilt") && !map.has("roll")) return std::nullopt;
   PlateAttitude attitude;
@@ -196,7 +196,7 @@ std::optional<TagTemplate> read_named_template(const MapReader& tags,
   return reading->value;
 }
 
-// The number of pairs that `pairs` or `to` says; a pitch of 0 is one that was faulty.
+// The number of pairs from `pairs` or `to`; a pitch of 0 is one that was faulty.
 std::optional<int> read_pair_count(const MapReader& tags, double first, double pitch) {
   constexpr int kMostPairs = kMostTags / 2;
   tags.exclude_each_other({"pairs", "to"});
@@ -205,7 +205,7 @@ std::optional<int> read_pair_count(const MapReader& tags, double first, double p
   }
   const auto to = tags.number_if_there("to", between(first, kLongest * kMostElements, "m"));
   if (!to || pitch <= 0) return std::nullopt;
-  constexpr double kNudge = 1e-9;  // lets 5.6 = 7 * 0.8 count the eighth pair
+  constexpr double kNudge = 1e-9;  // so that 5.6 = 7 * 0.8 includes the eighth pair
   const double count = std::floor((*to - first) / pitch + kNudge) + 1;
   if (count > kMostPairs) {
     tags.log().error(tags.find("to")->place, "too-many-tags",
@@ -217,8 +217,8 @@ std::optional<int> read_pair_count(const MapReader& tags, double first, double p
   return static_cast<int>(count);
 }
 
-// The regular pairs. Without `pairs` and `to` there are none, and only what speaks of surveyed tags
-// too (height, theta) is kept.
+// The regular pairs. Without `pairs` and `to` there are none, and only values that apply to
+// surveyed tags too (height, theta) are kept.
 std::optional<TagSeries> read_series(const MapReader& tags, bool has_placed,
                                      const std::optional<TagTemplate>& tag_template) {
   const bool regular = tags.has("pairs") || tags.has("to");
@@ -246,7 +246,7 @@ std::optional<TagSeries> read_series(const MapReader& tags, bool has_placed,
   series.mount_height = mount_height.value_or(0);
   series.spacing = gap.value_or(0);
   series.first = start.value_or(0);
-  // With a faulty dimension the regular tags would only collect faults that are none.
+  // With a faulty dimension the regular tags would only get findings that are wrong.
   series.pairs = mount_height && gap ? pairs.value_or(0) : 0;
   return series;
 }
@@ -418,8 +418,8 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
   survey.series = read_series(tags, file.has("placed"), tag_template);
   survey.states_sigma = tags.has("sigma");
   survey.sigma = tags.number_or("sigma", kUsualSigma, between(0, kWorstSigma, "m"));
-  // A survey whose coordinates are said to be exact is one of pictures that were computed: nobody
-  // hung its plates by eye.
+  // A survey whose coordinates are stated to be exact is one of computed pictures: nobody hung its
+  // plates by eye.
   const bool is_exact = survey.states_sigma && survey.sigma == 0;
   const double usual_angle = is_exact ? 0 : degrees(kUsualAngleSigma);
   survey.states_angle_sigma = is_exact || tags.has("angle_sigma");

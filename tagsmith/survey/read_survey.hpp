@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Survey files: reading, and every problem found in one go.
+// Survey files: reading, and all problems found in one pass.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace tagsmith::detail {
 // Templates are looked for beside the survey, then among the tool's own, or are a path.
 Result<Diagnosed<Survey>> read_survey(const std::filesystem::path& path);
 
-// The same for text that is or will be the file at `path`.
+// The same for text that is or will be the content of the file at `path`.
 Diagnosed<Survey> read_survey_text(const std::filesystem::path& path, std::string_view text);
 
 // For commands that need a valid survey: the survey, or all its errors in one message.

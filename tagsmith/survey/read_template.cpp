@@ -83,7 +83,7 @@ void check_symbol(const TagTemplate& tag, const MapReader& file) {
   }
 }
 
-// ---- What stands beside feature frame and symbol.
+// ---- The parts beside feature frame and symbol.
 
 namespace {
 
@@ -294,7 +294,7 @@ void check_corners(const TagTemplate& tag, const TagDrawing& drawing, const MapR
                    "a smaller radius, or a larger plate");
 }
 
-// All of it has its place on the plate.
+// Everything on the plate has its place there.
 void check_plate_parts(const TagTemplate& tag, const MapReader& file) {
   const double least_side = std::min(tag.plate_length, tag.plate_height);
   if (tag.cut.corner_radius > least_side / 2) {
@@ -431,7 +431,7 @@ fs::path data_directory() {
     }
     if (folder == folder.root_path()) break;
   }
-  // Where the system does not tell the program's file, or the build lies outside the sources.
+  // Where the system does not give the program's file, or the build lies outside the sources.
   return holds_data(TAGSMITH_INSTALLED_DATA) ? TAGSMITH_INSTALLED_DATA : TAGSMITH_SOURCE_FOLDER;
 }
 

@@ -13,8 +13,8 @@
 
 namespace tagsmith::detail {
 
-// ---- What files of templates and of boards say alike of a tag: feature frame and symbol. Internal
-// to tagsmith/survey.
+// ---- The keys of a tag that files of templates and of boards share: feature frame and symbol.
+// Internal to tagsmith/survey.
 
 inline constexpr double kLargestPlate = 10.0;  // metres
 
@@ -49,7 +49,7 @@ Result<TagTemplate> load_template(const std::filesystem::path& path);
 std::optional<std::filesystem::path> find_template(const std::string& name,
                                                    const std::filesystem::path& survey_folder);
 
-// The names of the tool's own templates, by the alphabet, separated by commas, for a message.
+// The names of the tool's own templates, in alphabetical order, separated by commas, for a message.
 std::string own_templates();
 
 // The folder that holds the tool's own `templates` and `surveys`: the environment variable

@@ -24,7 +24,7 @@ const char* kSectionHint = "{ at: CHAINAGE, width: W, height: H }";
 
 NumberRange chainage_range() { return between(-kLongest, kLongest * kMostElements, "m"); }
 
-// Stations of a profile under way; `complete` = none of them had a fault.
+// Stations of a profile that is being read; `complete` = none of them had a fault.
 struct Stations {
   std::vector<ProfileStation> list;
   bool complete = true;
@@ -35,7 +35,7 @@ struct Stations {
   }
 };
 
-// Takes the station in unless it stands before the last one or makes a third at its chainage.
+// Adds the station unless it stands before the last one or is a third at its chainage.
 void add_station(Stations& stations, const ProfileStation& station, Place place,
                  const std::string& name, FindingLog& log) {
   const std::size_t count = stations.list.size();
@@ -114,7 +114,7 @@ Sections read_sections(const MapReader& tunnel) {
   return sections;
 }
 
-// The values of the map's own key or of the sections, one of which must say them.
+// The values of the map's own key or of the sections, one of which must have them.
 std::optional<ChainageProfile> read_everywhere(const MapReader& tunnel, const char* key,
                                                const Stations& sections) {
   FindingLog& log = tunnel.log();
@@ -134,7 +134,7 @@ std::optional<ChainageProfile> read_everywhere(const MapReader& tunnel, const ch
 
 // --- walls ---
 
-// Distances from the center line to the rock, less the stand-off: to the plates' plane.
+// Distances from the center line to the rock, minus the stand-off: to the plates' plane.
 std::optional<ChainageProfile> read_wall(const MapReader& walls, const char* side,
                                          double stand_off) {
   FindingLog& log = walls.log();
@@ -157,7 +157,7 @@ std::optional<ChainageProfile> read_wall(const MapReader& walls, const char* sid
     const auto chainage =
         is_pair ? read_number(&(*pair)[0], item_name + "[0]", chainage_range(), log) : std::nullopt;
     NumberRange room = between(stand_off, kLargestRoom, "m");
-    room.low_excluded = true;  // in front of the rock there must be room for the plates
+    room.low_excluded = true;  // in front of the rock there must be space for the plates
     const auto distance =
         is_pair ? read_number(&(*pair)[1], item_name + "[1]", room, log) : std::nullopt;
     if (chainage && distance) {

@@ -11,7 +11,8 @@
 
 namespace tagsmith::detail {
 
-// ---- What of the section `tunnel` says where walls and roof are. Internal to tagsmith/survey.
+// ---- The keys of the section `tunnel` that say where walls and roof are. Internal to
+// tagsmith/survey.
 
 // Metres: of width, height and a wall's distance; of the plates from the rock.
 inline constexpr double kLargestRoom = 1e3;
@@ -19,7 +20,7 @@ inline constexpr double kLargestStandOff = 1;
 // Of the sections together, and of each wall.
 inline constexpr std::size_t kMostStations = 100'000;
 
-// Walls and roof along the center line; what has a fault (logged) or hangs on one is absent.
+// Walls and roof along the center line; one that has a fault (logged) or depends on one is absent.
 struct Room {
   std::optional<ChainageProfile> left;  // as Tunnel's
   std::optional<ChainageProfile> right;

@@ -11,8 +11,8 @@
 namespace tagsmith::detail {
 namespace {
 
-// The survey as one text with everything in a fixed order. Texts are quoted by their length, so
-// that no two surveys share a text. Changing what it says changes all revisions.
+// The survey as one text with everything in a fixed order. Texts are written with their length, so
+// that no two surveys share a text. A change of this text changes all revisions.
 class Content {
  public:
   void text(const std::string& value) { bytes_ += fmt::format("{}:{};", value.size(), value); }
@@ -38,7 +38,7 @@ void add_profile(Content& content, const ChainageProfile& profile) {
   }
 }
 
-// Of a plain tunnel its two numbers alone, as revisions always had them.
+// Of a plain tunnel only its two numbers, as revisions always had them.
 void add_room(Content& content, const Tunnel& tunnel) {
   const bool in_the_middle = tunnel.left.at(0) == -tunnel.right.at(0);
   if (is_plain(tunnel) && in_the_middle && tunnel.stand_off == 0) {

@@ -13,7 +13,7 @@ namespace tagsmith::detail {
 // Lengths count to the micrometre, angles to 1e-9 rad.
 std::string survey_revision(const Survey& survey);
 
-// The same of what the template draws; its name, and what files of logos hold, do not count.
+// The same for what the template draws; its name, and the content of logo files, do not count.
 std::string template_revision(const TagTemplate& tag);
 
 }  // namespace tagsmith::detail

@@ -22,18 +22,18 @@ struct CalibrationSigma {
   double angle = 0;     // of its mounting about each axis, radians
   double focal = 0;     // relative, of both focal lengths together
   double center = 0;    // of each coordinate of the principal point, pixels
-  // Of how far sharpening and a tone curve move the edges of a frame in its image, all outward or
-  // all inward, pixels.
+  // How far sharpening and a tone curve move the edges of a frame in its image, all outward or all
+  // inward, pixels.
   double edge = 0;
   double radial = 0;  // of the first coefficient of its distortion
-  // Of what autofocus and stabilisation change from picture to picture: the focal lengths
-  // (relative) and each coordinate of the principal point (pixels).
+  // Changes by autofocus and stabilisation from picture to picture: of the focal lengths (relative)
+  // and of each coordinate of the principal point (pixels).
   double focal_drift = 0;
   double center_drift = 0;
-  // Of how far the vehicle drives while a rolling shutter passes over the image, metres.
+  // How far the vehicle drives while a rolling shutter passes over the image, metres.
   double shutter = 0;
-  // Of what no coefficient of its distortion describes: pixels in the image's corners, less towards
-  // the centre by the third power of the distance.
+  // The error that no coefficient of its distortion describes: pixels in the image's corners, less
+  // towards the centre by the third power of the distance.
   double warp = 0;
 };
 
@@ -42,15 +42,15 @@ struct RigCamera {
   std::string name;
   Camera camera;
   Pose vehicle_from_camera;
-  std::optional<Side> side;        // the wall it looks at, where the rig says so
+  std::optional<Side> side;        // the wall that it faces, where the rig states it
   std::optional<double> exposure;  // seconds
   std::optional<double> blur_px;   // standard deviation of its point spread, pixels
   // From the first row's exposure to the last row's, seconds: a rolling shutter. Nothing or 0 = a
   // global shutter.
   std::optional<double> readout;
   CalibrationSigma calibration_sigma{};
-  // What of it the file does not say and the reader took as usual (assumptions.hpp), in words;
-  // empty = nothing.
+  // The values that the file does not state and that the reader assumed (assumptions.hpp), in
+  // words; empty = none.
   std::string assumed_sigma{};
   // Depth of field; both or neither. Without them everything is in focus.
   std::optional<double> focus;          // distance of sharp focus, metres
@@ -94,7 +94,7 @@ inline constexpr double kUsualSpeed = 2;
 // readout.
 void set_shutter_sigmas(Rig& rig);
 
-// True when a rig's stance tells its pictures' up: it stands level on its wheels, its roll's and
+// True when a rig's stance gives its pictures' up: it stands level on its wheels, its roll's and
 // pitch's standard deviations are below 15 degrees.
 bool stands_level(const Rig& rig);
 
@@ -108,8 +108,8 @@ Pose vehicle_from_side_camera(Side side, double alpha);
 // looks forward, upright.
 Pose vehicle_from_camera(double yaw, double pitch, double roll, const Eigen::Vector3d& position);
 
-// The attitude that vehicle_from_camera takes, of a camera that is mounted so; pitch within a
-// quarter turn either way, yaw and roll within half a turn.
+// The attitude that gives this vehicle_from_camera; pitch within a quarter turn either way, yaw and
+// roll within half a turn.
 struct MountingAngles {
   double yaw = 0;
   double pitch = 0;
@@ -125,7 +125,7 @@ Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading
 // Fails only when the file cannot be read at all.
 Result<Diagnosed<Rig>> read_rig(const std::filesystem::path& path);
 
-// The same for text that is or will be the file at `path`.
+// The same for text that is or will be the content of the file at `path`.
 Diagnosed<Rig> read_rig_text(const std::filesystem::path& path, std::string_view text);
 
 // The rig, or all its errors in one message.

@@ -70,7 +70,7 @@ struct Allowance {
 
 bool is_comment(std::string_view line) { return trim(line).starts_with('#'); }
 
-// The line that a comment on a line of its own speaks of: the next one that is none.
+// The line that a comment on a line of its own refers to: the next one that is no comment.
 int next_line_of_content(const std::vector<std::string>& lines, std::size_t index) {
   std::size_t next = index + 1;
   while (next < lines.size() && (is_comment(lines[next]) || trim(lines[next]).empty())) ++next;
@@ -163,7 +163,7 @@ std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std
   std::vector<Diagnostic> faults;
   std::vector<Allowance> allowances = read_allowances(text, file, faults);
   remove_allowed(diagnostics, file, allowances);
-  // With errors some rules were not looked at.
+  // With errors some rules were not checked.
   const bool complete = !has_errors(diagnostics);
   for (const Allowance& allowance : allowances) {
     const bool needs_other_file =

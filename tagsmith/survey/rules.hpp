@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What checks can find, and what to do about it. The catalogues are tables of the documentation,
-// which the build takes into the program: a rule is written down once.
+// which the build includes in the program: a rule is written down once.
 #pragma once
 
 #include <filesystem>
@@ -26,14 +26,14 @@ std::vector<Rule> rules_in(std::string_view document);
 // The rule with this code, or null.
 const Rule* find_rule(std::string_view code, std::span<const Rule> among);
 
-// By which files of surveys, rigs, templates, runs and boards are checked: docs/rules.md.
+// The rules for files of surveys, rigs, templates, runs and boards: docs/rules.md.
 std::span<const Rule> rules();
 const Rule* find_rule(std::string_view code);
 
 // ---- Comments in a file that allow what a rule warns of, each with its reason.
 
 // Rules whose findings may come from the survey and another file together, a rig or a second
-// survey: a comment that allows one is no idle one where that file was not given.
+// survey: a comment that allows one is not reported as unused where that file was not given.
 inline constexpr std::string_view kUnseenTagRule = "unseen-tag";
 inline constexpr std::string_view kExchangedCodeRule = "exchanged-code";
 

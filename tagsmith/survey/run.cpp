@@ -97,7 +97,7 @@ class Row {
   Row(const Columns& columns, const std::vector<std::string>& fields, int line, FindingLog& log)
       : columns_(columns), fields_(fields), line_(line), log_(log) {}
 
-  // The field; empty when the column is not there.
+  // The field; empty when the column does not exist.
   std::string text(const std::string& column) const {
     const auto index = columns_.find(column);
     return index ? fields_[*index] : std::string();

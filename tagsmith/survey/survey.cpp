@@ -19,9 +19,9 @@ const PlacedTag* find_if(const Survey& survey, const auto& matches) {
   return tag == survey.tags.end() ? nullptr : &*tag;
 }
 
-// Numbers of the EPSG register (version 10.076) from the first to the last of each row that are
-// systems in degrees, in feet or other lengths that are no metres, or of heights alone, and among
-// which none is in metres. Of longer rows; many others have a number or two.
+// Numbers of the EPSG register (version 10.076), from the first to the last of each row, of systems
+// in degrees, in feet or other lengths that are no metres, or of heights alone; none of a row is in
+// metres. Only longer rows are listed; many others have a number or two.
 struct NumberRange {
   int first;
   int last;

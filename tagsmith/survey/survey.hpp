@@ -43,9 +43,9 @@ struct TagSeries {
   std::optional<double> pair_angle;  // theta, radians; absent = plates face each other exactly
 };
 
-// How one plate stands where it does not hang as its wall says. Radians.
+// The attitude of one plate that does not hang as its wall says. Radians.
 struct PlateAttitude {
-  std::optional<double> facing;  // grid heading that its face looks to; absent = away from its wall
+  std::optional<double> facing;  // grid heading of its face; absent = away from its wall
   double tilt = 0;               // of its upper edge out of the wall: the plate looks down
   double roll = 0;               // in its own plane, clockwise as a viewer sees it
 };
@@ -60,16 +60,16 @@ struct PlacedTag {
   Side side = Side::left;
   Digits digits{};                                          // as printed
   Eigen::Vector3d p_in_grid = Eigen::Vector3d::Zero();      // corner P
-  Eigen::Vector3d coded_in_grid = Eigen::Vector3d::Zero();  // what the digits say
+  Eigen::Vector3d coded_in_grid = Eigen::Vector3d::Zero();  // the position that the digits code
   Pose world_from_plate;  // plate frame: origin P, x right, y down, z into the wall
   double chainage = 0;    // of corner P
   bool surveyed = false;  // from `placed` (as-built), not from the regular series
-  bool control = false;   // surveyed so well that an adjustment of the others is held by it
+  bool control = false;   // surveyed so well that an adjustment of the others relies on it
   double sigma = 0;       // standard deviation of a coordinate of P, metres
   std::string date;       // of the measurement, as 2026-03-31; empty = not given
   std::optional<Eigen::Vector3d> design_in_grid;  // P as designed, where `placed` moved it
-  std::optional<PlateAttitude> attitude;          // its own; absent = as its wall says
-  int line = 0;  // where the survey's file speaks of it, from 1; 0 = it does not
+  std::optional<PlateAttitude> attitude;          // its own; absent = that of its wall
+  int line = 0;  // its line in the survey's file, from 1; 0 = it has none
   int column = 0;
 };
 
@@ -82,7 +82,8 @@ struct Survey {
   std::optional<TagSeries> series;
   double sigma = 0;        // standard deviation of a surveyed coordinate, metres
   double angle_sigma = 0;  // of a plate's attitude against its wall, about each axis, radians
-  // False where the file does not say it and the reader took what is usual (assumptions.hpp).
+  // False where the file does not state it and the reader assumed the usual value
+  // (assumptions.hpp).
   bool states_sigma = true;
   bool states_angle_sigma = true;
   PositionCode code;
@@ -104,17 +105,17 @@ double pair_width(const Tunnel& tunnel, const PlacedTag& left, const PlacedTag& 
 Pose plate_on_wall(const Tunnel& tunnel, const TagTemplate& tag, Side side,
                    const Eigen::Vector3d& p_in_world);
 
-// What a placed tag says of a plate that stands so: plate_rotation's angles, `facing` in the grid.
+// The attitude of a plate that stands so: plate_rotation's angles, `facing` in the grid.
 PlateAttitude attitude_of(const Grid& grid, const Pose& world_from_plate);
 
-// The rotation world_from_plate of a plate whose face looks to `facing` (world heading).
+// The rotation world_from_plate of a plate whose face points to `facing` (world heading).
 Eigen::Matrix3d plate_rotation(double facing, double tilt = 0, double roll = 0);
 
-// The world heading that a plate's face looks to; of a plate on its back, up its picture.
+// The world heading of a plate's face; for a plate on its back, that of its picture's up.
 double facing_of(const Pose& world_from_plate);
 
 // True when the plate turns out of its wall by more than 15 degrees: it hangs on a pillar or across
-// the drive, and what holds for plates on walls does not hold for it.
+// the drive, and rules for plates on walls do not apply to it.
 bool is_turned_from_wall(const Tunnel& tunnel, const TagTemplate& tag, const PlacedTag& placed);
 
 }  // namespace tagsmith::detail

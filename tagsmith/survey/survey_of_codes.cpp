@@ -15,7 +15,7 @@ Result<Survey> survey_of_codes(const std::string& tag_template, double width) {
     return fail(fmt::format("no template `{}`, expected a file or one of {}", tag_template,
                             own_templates()));
   }
-  // The reader of surveys judges every value; the one tag is taken away again.
+  // The reader of surveys checks every value; the one tag is removed again.
   const std::string text = fmt::format(
       "survey: own-codes\n"
       "grid: {{ x_axis: left }}\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tunnel of which nothing is known but what its tags carry: their own coordinates.
+// A tunnel of which nothing is known except what its tags carry: their own coordinates.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ namespace tagsmith::detail {
 // with words for the user where the template cannot be used.
 Result<Survey> survey_of_codes(const std::string& tag_template, double width);
 
-// What that takes for granted, a sentence for the user.
+// The assumptions of this survey, a sentence for the user.
 std::string assumed_of_codes(double width);
 
 }  // namespace tagsmith::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room of a drive: its center line and what stands beside and above it.
+// The space of a drive: its center line and what stands beside and above it.
 #pragma once
 
 #include <string>
@@ -16,8 +16,8 @@ enum class Side { left, right };  // of the drive
 
 std::string to_string(Side side);
 
-// World frame, metres. Where walls are concerned use the functions below: they alone know how
-// `left`, `right` and `stand_off` go together.
+// World frame, metres. For walls use the functions below: only they know how `left`, `right` and
+// `stand_off` are combined.
 struct Tunnel {
   Centerline centerline;
   // Offsets of the plates' planes from the center line, positive to the right of the drive: `left`
@@ -48,11 +48,11 @@ double width_at(const Tunnel& tunnel, double chainage);
 double least_width(const Tunnel& tunnel);
 double greatest_width(const Tunnel& tunnel);
 
-// Of the wall that comes nearest to the center line.
+// For the wall that comes nearest to the center line.
 double least_distance(const Tunnel& tunnel);
 
-// How far a point lies behind the plates' plane of a wall, at the point's chainage; negative in the
-// room.
+// How far a point lies behind the plates' plane of a wall, at the point's chainage; negative inside
+// the tunnel.
 double behind_wall(const Tunnel& tunnel, Side side, const CenterlineAddress& address);
 
 // Fails, saying where the point lies, when it is not between the plates' planes, floor and roof.

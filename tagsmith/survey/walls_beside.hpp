@@ -10,7 +10,7 @@
 namespace tagsmith::detail {
 
 // Adds points of both walls, half the width (metres) beside each point of the center line, where a
-// design has a center line alone. Points CL are in order along the drive. Fails where there are
+// design has only a center line. Points CL are in order along the drive. Fails where there are
 // fewer than two of them, and where there are points of walls.
 Result<void> add_walls_beside(std::vector<SurveyedPoint>& points, const Grid& grid, double width);
 

@@ -29,7 +29,7 @@ std::span<const double> coefficients(const Camera& camera) {
   return any_beyond(camera, kPlumbBob) ? all : all.first(kPlumbBob);
 }
 
-// The shortest text that is this number. OpenCV tells numbers with fractions by their point.
+// The shortest text for this number. OpenCV recognises numbers with fractions by their point.
 std::string number(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";

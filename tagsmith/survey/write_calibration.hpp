@@ -16,7 +16,7 @@ enum class CalibrationFormat {
   kalibr,  // a camchain of one camera, cam0
 };
 
-// A calibration and what its file says besides.
+// A calibration and the rest of its file.
 struct CalibrationNotes {
   std::string camera_name;            // of ROS's file and kalibr's topic
   std::vector<std::string> comments;  // a line each: where it comes from and how good it is
@@ -24,9 +24,9 @@ struct CalibrationNotes {
 };
 
 // The text of a file that read_calibration and the format's own program read back as this camera,
-// to the last bit of each number. Perspective cameras have five coefficients, or eight where k4,
-// k5 or k6 is not zero; fisheyes four. Fails where the format has no such lens: kalibr's radtan has
-// k1, k2, p1 and p2 alone.
+// to the last bit of each number. Perspective cameras have five coefficients, or eight where k4, k5
+// or k6 is not zero; fisheyes four. Fails where the format has no such lens: kalibr's radtan has
+// only k1, k2, p1 and p2.
 Result<std::string> calibration_text(CalibrationFormat format, const Camera& camera,
                                      const CalibrationNotes& notes);
 

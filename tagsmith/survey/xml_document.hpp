@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // XML as OpenCV's FileStorage writes it, as the tree that YAML gives, and places in XML of any
-// kind. Internal to tagsmith/survey: pugixml shows in no header.
+// kind. Internal to tagsmith/survey: pugixml appears in no header.
 #pragma once
 
 #include <cstddef>

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kDeepestNode = 32;
 constexpr std::size_t kMostNodes = 4'000'000;
 
-// yaml-cpp reads an outermost [...] or {...} to its end before it says anything of it, at some 100
+// yaml-cpp reads an outermost [...] or {...} to its end before it reports anything, at some 100
 // bytes of memory a byte.
 constexpr std::size_t kLongestFlow = 2'000'000;
 
@@ -180,7 +180,8 @@ class TreeBuilder final : public YAML::EventHandler {
 };
 
 // Follows brackets and braces, skipping quoted text and comments; true when they nest no deeper and
-// run no longer than the parser bears. Where a quote begins is judged by the character before it.
+// run no longer than the parser can handle. Whether a quote begins is judged by the character
+// before it.
 bool check_flow(std::string_view text, FindingLog& log) {
   std::size_t depth = 0;
   std::size_t start = 0;  // of the outermost collection

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// YAML text as a tree that knows its places. Internal to tagsmith/survey: yaml-cpp shows nowhere.
+// YAML text as a tree with places. Internal to tagsmith/survey: yaml-cpp appears nowhere else.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ struct YamlKey {
 };
 
 struct YamlNode {
-  // `broken` = a finding was logged about it already; whoever meets it stays silent.
+  // `broken` = a finding was logged about it already; functions that read it add none.
   enum class Kind { empty, scalar, sequence, map, broken };
 
   Kind kind = Kind::empty;

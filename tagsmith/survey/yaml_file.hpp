@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A YAML file of one kind as a whole: from its text to what it says and all findings about it.
+// A YAML file of one kind as a whole: from its text to its content and all findings about it.
 // Internal to tagsmith/survey.
 #pragma once
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Typed values out of a YAML tree; whatever does not fit is logged with its place and a remedy.
-// Internal to tagsmith/survey. A null node means that its absence was logged: readers stay silent.
+// Typed values from a YAML tree; a value that does not fit is logged with its place and a remedy.
+// Internal to tagsmith/survey. A null node means that its absence was logged: readers add no
+// finding.
 #pragma once
 
 #include <limits>
@@ -16,7 +17,7 @@
 
 namespace tagsmith::detail {
 
-// What a number may be.
+// The limits of a number.
 struct NumberRange {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -27,14 +28,14 @@ struct NumberRange {
 NumberRange above_zero(double high, std::string unit);
 NumberRange between(double low, double high, std::string unit);
 
-// The node's value; `name` is how messages call it ("tunnel.width").
+// The node's value; `name` is its name in messages ("tunnel.width").
 std::optional<double> read_number(const YamlNode* node, const std::string& name,
                                   const NumberRange& range, FindingLog& log);
 std::optional<int> read_integer(const YamlNode* node, const std::string& name, int low, int high,
                                 FindingLog& log);
 std::optional<bool> read_bool(const YamlNode* node, const std::string& name, FindingLog& log);
 
-// Text of at most 200 bytes without control characters. Plain words that YAML takes for a number, a
+// Text of at most 200 bytes without control characters. Plain words that YAML reads as a number, a
 // truth value or nothing need quotes.
 std::optional<std::string> read_text(const YamlNode* node, const std::string& name,
                                      FindingLog& log);
@@ -64,7 +65,7 @@ const std::vector<YamlNode>* read_list(const YamlNode* node, const std::string& 
 // A map with a known set of keys. Unknown, repeated and merge keys are logged on construction.
 class MapReader {
  public:
-  // `name` is how messages call the map ("tunnel"), empty for the whole file.
+  // `name` is the map's name in messages ("tunnel"), empty for the whole file.
   MapReader(const YamlNode* node, std::string name, std::vector<std::string> known_keys,
             FindingLog& log);
 
