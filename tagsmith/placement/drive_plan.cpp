@@ -110,7 +110,7 @@ ColumnSigma sigmas_along(const VehicleCovariance& covariance, double heading) {
   return sigma;
 }
 
-// Takes over whatever is greater; infinite values, which mean no position, are left out.
+// Adopts every greater value; infinite values, which mean no position, are left out.
 void raise(ColumnSigma& most, const ColumnSigma& sigma) {
   const auto take = [](double& value, double other) {
     if (!std::isfinite(value) || other > value) value = other;
@@ -138,7 +138,7 @@ struct Walls {
   }
 };
 
-// A worker's own, kept from pose to pose so that nothing is allocated for one.
+// A worker's own buffers, reused from pose to pose so that no pose needs an allocation.
 struct Scratch {
   std::vector<std::vector<std::size_t>> candidates;  // by attitude and camera
   std::vector<PlateSight> sights;
@@ -149,7 +149,7 @@ struct Scratch {
   LogHistogram speeds;
 };
 
-// What one block adds to the plan.
+// The contribution of one block to the plan.
 struct BlockResult {
   std::vector<SoleTag> sole_tags;
   std::vector<std::pair<std::size_t, TagUse>> uses;
@@ -262,7 +262,7 @@ class Sweep {
     }
   }
 
-  // Whether another tag, whole or in part, confirms what a tag that was read says.
+  // Whether another tag, whole or in part, confirms the position by a tag that was read.
   bool is_confirmed(const Pose& vehicle, double curvature, std::size_t attitude,
                     const Surroundings& around, const Scratch& scratch) const {
     if (scratch.read_tags.size() != 1) return scratch.read_tags.size() > 1;
@@ -332,7 +332,7 @@ class Sweep {
     }
   }
 
-  // All that is known of the pose: its stance, its ranges, and these tags.
+  // All information about the pose: its stance, its ranges, and these tags.
   std::optional<VehicleCovariance> covariance(const CenterlinePoint& floor, const VehiclePose& pose,
                                               const VehicleFrame& frame,
                                               std::span<const PlateSight> sights) const {
@@ -404,7 +404,7 @@ Result<void> check_camera(const Survey& survey, const Rig& rig, const RigCamera&
   const CenterlinePoint point = tunnel.centerline.at(chainage);
   const VehiclePose pose = vehicle_on_floor(point, {rig.vehicle_height, lateral, 0, 0, 0});
   const Vector3d place = (world_from_vehicle(pose) * camera.vehicle_from_camera).translation;
-  // Before and behind the center line nothing is known of the walls.
+  // Before and behind the center line the walls are unknown.
   const double at = tunnel.centerline.locate(place.head<2>()).chainage;
   if (at <= 0 || at >= tunnel.centerline.length()) return {};
   const Result<void> inside = check_in_tunnel(tunnel, place);
@@ -483,7 +483,7 @@ Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& opti
   return {};
 }
 
-// Neighbouring columns that one worker takes together.
+// Neighbouring columns that one worker processes together.
 std::vector<std::pair<std::size_t, std::size_t>> blocks_of(const DrivePlan& plan) {
   const auto size = static_cast<std::size_t>(
       std::clamp(kBlockLength / plan.options.step, 1.0, static_cast<double>(kMostInBlock)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A drive through a surveyed tunnel, before it is driven: at every chainage, from every pose of the
-// vehicle's envelope, which tags are read and how well the vehicle will know its place.
+// vehicle's envelope, which tags are read and how accurate the vehicle's position will be.
 #pragma once
 
 #include <array>
@@ -21,11 +21,11 @@
 
 namespace tagsmith::detail {
 
-// What the published method would give at a pose, of the measurements that have a solution: the
-// others say nothing.
+// The result of the published method at a pose, for the measurements that have a solution: the
+// others have no result.
 struct PaperExpectation {
-  // Mean of the products of the errors in x, y, z about the true place, world frame, metres^2: what
-  // the method's own assumptions get wrong there (level cameras at O, straight walls) is in it.
+  // Mean of the products of the errors in x, y, z about the true place, world frame, metres^2: it
+  // includes the errors from the method's own assumptions (level cameras at O, straight walls).
   // Infinite where no measurement has a solution.
   Eigen::Matrix3d mean_square = Eigen::Matrix3d::Zero();
   double magnification = 0;      // 1 / tan(theta): metres along the tunnel for a metre of d
@@ -40,7 +40,7 @@ struct PlanOptions {
   int headings = 5;             // likewise
   std::optional<double> speed;  // metres a second; absent = the envelope's, or standing still
   std::optional<double> corner_sigma_px;  // absent = as measured (corner_sigma_px)
-  bool accuracy = true;                   // false: sight alone, which is faster
+  bool accuracy = true;                   // false: only sight, which is faster
   int jobs = 0;                           // threads at most; 0 = all cores
   // The published method at the nominal poses, for comparison; empty = no comparison.
   std::function<std::optional<PaperExpectation>(const VehiclePose&, std::span<const PlateSight>,
@@ -68,7 +68,7 @@ struct ColumnSigma {
   double heading = plane;  // radians
 };
 
-// What the paper's method would give at the nominal pose.
+// The result of the paper's method at the nominal pose.
 struct ColumnPaper {
   ColumnSigma sigma;             // root mean squares about the truth; the heading stays infinite
   double magnification = 0;      // 1 / tan(theta) of the pair; 0 without a pair
@@ -83,8 +83,9 @@ struct PlanColumn {
   WallCount read;        // read with the survey as code book
   int least_tags = 0;    // read at the pose that reads fewest
   int confirmed = 0;     // poses that read a tag and another one, whole or in part
-  // Greatest way of the vehicle during the exposure (metres) and speed (metres a second; infinite
-  // without an exposure) at which every pose that has a tag standing still still has one.
+  // Greatest distance that the vehicle may move during the exposure (metres) and speed (metres a
+  // second; infinite without an exposure) at which every pose that has a tag standing still still
+  // has one.
   double travel = std::numeric_limits<double>::infinity();
   double speed = travel;
   ColumnSigma nominal;  // on the center line, along it, level
@@ -109,7 +110,7 @@ struct TagUse {
   TagView last;
 };
 
-// A tag without which some pose of the column has none.
+// A tag without which some pose of the column has no tag.
 struct SoleTag {
   std::size_t column = 0;
   std::size_t tag = 0;  // index in survey.tags
@@ -142,7 +143,7 @@ struct DrivePlan {
 };
 
 // Fails, naming the first place, when a camera on the center line or at the sides of the envelope
-// stands in the rock, the floor or the roof. Looked at are places half a metre apart.
+// stands in the rock, the floor or the roof. The places checked are half a metre apart.
 Result<void> check_cameras(const Survey& survey, const Rig& rig, double from, double to);
 
 // Fails with words for the user when options and files do not fit each other. The time is linear in

@@ -36,7 +36,7 @@ constexpr Eigen::Index kCalibrationParameters = 15;
 constexpr Eigen::Index kPlateRows = 8;
 constexpr Eigen::Index kPlateParameters = 7;  // its place, its attitude, where its edges are seen
 
-// Derivatives of a plate's corners in one image, those by what is uncertain in units of its
+// Derivatives of a plate's corners in one image; those by uncertain quantities in units of their
 // standard deviations.
 struct CornerRows {
   Eigen::Matrix<double, kPlateRows, kVehicleCount> by_vehicle;

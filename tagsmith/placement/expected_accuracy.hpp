@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well a vehicle will know its place from the tags it sees: the covariance that the localizer's
+// The accuracy of a vehicle's position from the tags it sees: the covariance that the localizer's
 // own derivatives predict, before anything is measured.
 #pragma once
 
@@ -27,8 +27,8 @@ struct AccuracyOptions {
 double expected_corner_sigma(const Rig& rig, const PlateSight& sight,
                              const AccuracyOptions& options);
 
-// The information of all sights together, as the joint fit weighs it: plates uncertain in place and
-// angle, each camera in its mounting, focal length and principal point.
+// The information of all sights together, with the weights of the joint fit: plates uncertain in
+// place and angle, each camera in its mounting, focal length and principal point.
 VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
                                      const VehicleFrame& vehicle,
                                      std::span<const PlateSight> sights,
@@ -39,7 +39,7 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
 VehicleCovariance rig_information(const Survey& survey, const Rig& rig,
                                   const CenterlinePoint& floor, const VehiclePose& pose);
 
-// The covariance of x, y, z, heading, pitch, roll; nothing when the information does not suffice.
+// The covariance of x, y, z, heading, pitch, roll; nothing when the information is not sufficient.
 std::optional<VehicleCovariance> covariance_from(const VehicleCovariance& information);
 
 }  // namespace tagsmith::detail

@@ -77,16 +77,16 @@ Rig with_alpha(const Rig& rig, std::optional<double> alpha) {
 
 namespace {
 
-// ---- The search: what one layout costs and keeps, and how far its plates can be spaced.
+// ---- The search: the cost and the result of one layout, and how far its plates can be spaced.
 
-constexpr double kSpacingStep = 0.05;     // metres: what an installer measures off
+constexpr double kSpacingStep = 0.05;     // metres: what an installer can measure
 constexpr int kDensest = 1;               // steps: clear gap of plates hung as densely as possible
 constexpr int kWidest = 400;              // steps
 constexpr int kStepsBeyond = 12;          // tried beyond the first that fails
 constexpr double kCoarseStep = 0.10;      // of the chainage while searching
 constexpr int kCoarseOffsets = 3;         // over the envelope while searching
 constexpr double kFinestShare = 0.5;      // of a plate in the picture, between poses of the proof
-constexpr std::size_t kFirstLook = 8;     // columns to one that is looked at first
+constexpr std::size_t kFirstLook = 8;     // columns to one that is checked first
 constexpr double kFloorClearance = 0.05;  // of a plate's edge from floor and roof, metres
 constexpr double kSightAhead = 40;        // metres beyond the plan's end where tags may still help
 
@@ -103,7 +103,7 @@ bool has_half_pitch(const Survey& survey, const Layout& layout) {
                                 width_at(survey.tunnel, layout.series.first))) < 1e-9;
 }
 
-// The right plates' shift may not take them out of the drive either.
+// Nor may the right plates' shift take them out of the drive.
 double last_chainage(const Survey& survey, const Layout& layout) {
   const double shift =
       layout.series.pair_angle
@@ -131,8 +131,8 @@ int samples_over(double most, double step) {
   return std::min(kMost, 2 * static_cast<int>(std::ceil(std::min(most / step, 1e3))) + 1);
 }
 
-// Searches with a coarse plan and proves with the plan as asked for. Keeps references to all it is
-// given.
+// Searches with a coarse plan and proves with the plan as requested. Keeps references to all its
+// arguments.
 class LayoutSearch {
  public:
   LayoutSearch(const Survey& survey, const Rig& rig, const std::vector<TagTemplate>& templates,
@@ -140,8 +140,8 @@ class LayoutSearch {
 
   Layout given() const;
 
-  // Which columns can be served at all: the share of them, of the plan as asked for. Fails when
-  // none can. To be called before what follows.
+  // Which columns can be served at all: the share of them, of the plan as requested. Fails when
+  // none can. Must be called before the functions below.
   Result<double> find_demanded(const Freedom& freedom);
   const std::vector<bool>& demanded() const { return fine_.demanded; }
 
@@ -150,13 +150,13 @@ class LayoutSearch {
 
   bool is_cheaper(const LayoutReport& a, const LayoutReport& b) const;
 
-  // The layout with the largest spacing that still meets the requirement, and no more pairs than it
-  // takes, by the coarse plan. With `best`, only if it may be cheaper than that.
+  // The layout with the largest spacing that still meets the requirement, and no more pairs than
+  // necessary, by the coarse plan. With `best`, only if it may be cheaper than that.
   std::optional<LayoutReport> stretched(const std::string& name, const Layout& layout,
                                         const LayoutReport* best = nullptr) const;
 
-  // Proves what `stretched` found with the plan as asked for; hangs the plates closer while that
-  // does not hold.
+  // Proves the result of `stretched` with the plan as requested; hangs the plates closer while it
+  // fails.
   LayoutReport proved(const LayoutReport& coarse) const;
 
   // Layouts that differ from this one in one respect.
@@ -206,7 +206,7 @@ LayoutSearch::LayoutSearch(const Survey& survey, const Rig& rig,
       order_(order),
       fine_{options, {}},
       coarse_{options, {}} {
-  // So that no plate passes through the picture between two poses.
+  // So that no plate passes through the picture unseen between two poses.
   const double length = survey.tag_template.frame_inner_length;
   const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
   const double turn = length / least_width(survey.tunnel);
@@ -238,8 +238,8 @@ Result<double> LayoutSearch::find_demanded(const Freedom& freedom) {
   return static_cast<double>(count) / static_cast<double>(fine_.demanded.size());
 }
 
-// What the given layout serves, or plates hung as densely as possible, with any one thing changed
-// that may vary.
+// The columns that the given layout serves, or plates hung as densely as possible, with any single
+// thing changed that may vary.
 Result<std::vector<bool>> LayoutSearch::find_demanded(PlanOptions options,
                                                       const Freedom& freedom) const {
   options.accuracy = false;
@@ -286,7 +286,7 @@ std::optional<LayoutReport> LayoutSearch::stretched(const std::string& name, con
                                                     const LayoutReport* best) const {
   const int least = best != nullptr ? least_steps(layout, *best) : kDensest;
   if (least > kWidest) return std::nullopt;
-  int low = least - 1;  // meets, once it is `least` or more
+  int low = least - 1;  // meets, if it is `least` or more
   int high = kWidest + 1;
   // The spacing given is the likeliest of all.
   const int given = static_cast<int>(std::floor(survey_.series->spacing / kSpacingStep));
@@ -294,7 +294,8 @@ std::optional<LayoutReport> LayoutSearch::stretched(const std::string& name, con
        middle = (low + high) / 2) {
     (meets(spaced(layout, middle), coarse_) ? low : high) = middle;
   }
-  // In bends, and where the drive ends, a wider spacing may do what a closer one does not.
+  // In bends, and where the drive ends, a wider spacing may be sufficient where a closer one is
+  // not.
   for (int wider = high + 1; wider <= std::min(low + kStepsBeyond, kWidest); ++wider) {
     if (meets(spaced(layout, wider), coarse_)) low = wider;
   }
@@ -368,15 +369,15 @@ Result<DrivePlan> LayoutSearch::plan_of(const Layout& layout, const PlanOptions&
 LayoutSearch::Demand LayoutSearch::Demand::thinned(std::size_t stride) const {
   Demand thin{options, {}};
   thin.options.step *= static_cast<double>(stride);
-  // Rounding shall not add a column that nothing is known of.
+  // Rounding must not add a column about which nothing is known.
   const double last = static_cast<double>(demanded.size() - 1) * options.step;
   if (!demanded.empty() && last > 0) thin.options.to = options.from.value_or(0) + last;
   for (std::size_t i = 0; i < demanded.size(); i += stride) thin.demanded.push_back(demanded[i]);
   return thin;
 }
 
-// Most layouts fail, and most of those at many places and by sight alone, which is many times as
-// fast as the accuracy.
+// Most layouts fail, and most of those at many places and in the check of sight alone, which is
+// many times as fast as the accuracy.
 bool LayoutSearch::meets(const Layout& layout, const Demand& demand) const {
   for (const bool accuracy : {false, true}) {
     for (const std::size_t stride : {kFirstLook, std::size_t{1}}) {
@@ -445,7 +446,7 @@ Layout LayoutSearch::spaced(Layout layout, int steps) const {
   return layout;
 }
 
-// The least pairs that still meet what all together do.
+// The least number of pairs that still meets what all together do.
 Layout LayoutSearch::trimmed(Layout layout) const {
   int low = 0;
   int high = layout.series.pairs;
@@ -533,7 +534,7 @@ std::vector<LayoutReport> explore(const LayoutSearch& search, const std::vector<
   return found;
 }
 
-// What was found, by the plan as asked for.
+// The result, by the plan as requested.
 std::vector<LayoutReport> prove(const LayoutSearch& search,
                                 const std::vector<LayoutReport>& found) {
   std::vector<LayoutReport> proved;

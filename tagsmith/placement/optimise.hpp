@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cheapest layout of the regular tags that keeps a promise along the whole drive.
+// The cheapest layout of the regular tags that meets a requirement along the whole drive.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@
 
 namespace tagsmith::detail {
 
-// ---- How the regular tags may hang, and what that costs and keeps.
+// ---- How the regular tags may hang, and the cost and the result of that.
 
 // What every pose of every demanded column must have.
 struct Requirement {
@@ -28,14 +28,14 @@ enum class CostOrder {
   plate,  // the smallest plate, then the fewest tags
 };
 
-// The regular tags and, where it was changed, how far the side cameras look forward.
+// The regular tags and, where it was changed, the angle by which the side cameras look forward.
 struct Layout {
   TagTemplate tag_template;
   TagSeries series;
   std::optional<double> alpha;  // radians; absent = as the rig says
 };
 
-// What a layout costs and keeps.
+// The cost and the result of a layout.
 struct LayoutReport {
   std::string name;  // what was changed, for people
   Layout layout;
@@ -58,7 +58,7 @@ bool is_served(const PlanColumn& column, const Requirement& requirement);
 double served_share(const DrivePlan& plan, const Requirement& requirement,
                     const std::vector<bool>& demanded);
 
-// The survey with its regular tags laid out so; digits are left empty.
+// The survey with this layout of its regular tags; digits are left empty.
 Survey with_layout(const Survey& survey, const Layout& layout);
 // The rig with its side cameras turned about the vertical to look so far forward.
 Rig with_alpha(const Rig& rig, std::optional<double> alpha);
@@ -86,10 +86,10 @@ struct Optimisation {
 // Called as the search goes on: searches done of all.
 using SearchProgress = std::function<void(std::size_t done, std::size_t total)>;
 
-// Search at the plan's stretch and speed, coarsely; the chosen layout and the given one are then
-// planned with `options` as they are. Demanded are the columns that the given layout serves or
-// plates hung as densely as possible would. Fails for surveys without a regular series or with
-// as-built tags, when nothing at all can be demanded, and when no layout meets the requirement.
+// Searches the plan's stretch and speed, coarsely; the chosen layout and the given one are then
+// planned with `options` unchanged. Demanded are the columns that the given layout serves or plates
+// hung as densely as possible would. Fails for surveys without a regular series or with as-built
+// tags, when nothing at all can be demanded, and when no layout meets the requirement.
 Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
                               const std::vector<TagTemplate>& templates,
                               const Requirement& requirement, CostOrder order,

@@ -63,8 +63,8 @@ std::vector<bool> gap_columns(const DrivePlan& plan) {
   return gaps;
 }
 
-// The window with the greatest mean of the envelope's worst sigma; columns without a position count
-// nothing, they are gaps.
+// The window with the greatest mean of the envelope's worst sigma; columns without a position do
+// not count, they are gaps.
 void find_worst_stretch(const DrivePlan& plan, PlanSummary& summary) {
   const auto size = std::clamp<std::size_t>(static_cast<std::size_t>(kWindow / plan.options.step),
                                             1, plan.columns.size());
@@ -101,7 +101,7 @@ Stretch gap_around(const DrivePlan& plan, const std::vector<bool>& gaps,
   return {plan.columns[low].chainage, plan.columns[high].chainage};
 }
 
-// What becomes of the drive when one tag is lost.
+// The effect on the drive when one tag is lost.
 void find_critical_tags(const DrivePlan& plan, PlanSummary& summary) {
   const std::vector<bool> gaps = gap_columns(plan);
   std::vector<std::vector<std::size_t>> columns(plan.tags.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a plan says in a few numbers: the answers that people ask for.
+// A plan in a few numbers: the answers that people ask for.
 #pragma once
 
 #include <cstddef>

@@ -57,7 +57,7 @@ double least_module_px(bool code_book, double incidence, double blur_px, ReadSha
 }
 
 double frame_share(const TagTemplate& tag, double foreshortening) {
-  // In modules, of a plate seen squarely; a leaning one needs more, where both are scarce.
+  // In modules, for a plate seen squarely; a leaning one needs more, where both are scarce.
   constexpr double kStroke = 3.4, kLeaningStroke = 1.6;
   constexpr double kHeight = 48, kLeaningHeight = 6;
   const double seen = std::min(foreshortening, 1.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the reader manages, as `./dev bench limits` measured it and wrote into reader_limits.inc: a
-// plan promises what the reader keeps.
+// The limits of the reader, as `./dev bench limits` measured them and wrote them into
+// reader_limits.inc, so that a plan promises only what the reader achieves.
 #pragma once
 
 #include <array>
@@ -23,15 +23,15 @@ enum class ReadShare { reliable, half };  // 99 %, 50 %
 double least_module_px(bool code_book, double incidence, double blur_px,
                        ReadShare share = ReadShare::reliable);
 
-// Of the feature frame's inner length, what of a tag must be in the picture for a plan to count it
-// as a part that the reader identifies with the code book.
+// The share of the feature frame's inner length that must be in the picture for a plan to count a
+// tag as a part that the reader identifies with the code book.
 inline constexpr double kPartInSight = 0.6;
 
-// What a plan takes the modules of a plate for, as a share of their width: less than 1 where the
-// frame's strokes are thin, its inner height is small, or the plate is seen steeply from above or
-// below, so that its heights are foreshortened by `foreshortening` against its lengths. The limits
-// were measured with one template, turned about its vertical axis. Measured by
-// `./dev bench limits frames`; why: docs/decisions/0013-planning.md.
+// The factor by which a plan reduces the width of a plate's modules: less than 1 where the frame's
+// strokes are thin, its inner height is small, or the plate is seen steeply from above or below, so
+// that its heights are foreshortened by `foreshortening` compared with its lengths. The limits were
+// measured with one template, turned about its vertical axis. Measured by `./dev bench limits
+// frames`; why: docs/decisions/0013-planning.md.
 double frame_share(const TagTemplate& tag, double foreshortening);
 
 // Standard deviation of a coordinate of a corner of the feature frame, pixels, interpolated by
@@ -51,7 +51,7 @@ class BlurLimits {
   // the incidence.
   double greatest_blur_px(double cosine, double module_px) const;
 
-  // No module narrower than this is ever read, pixels.
+  // A module narrower than this is never read, pixels.
   double least_module_px() const { return least_; }
 
  private:

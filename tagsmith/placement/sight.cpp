@@ -68,7 +68,7 @@ double greatest_px_per_radian(const Camera& camera) {
   return most;
 }
 
-// How the picture of a point moves with it, pixels a metre.
+// The derivative of a point's picture by the point, pixels a metre.
 std::optional<Eigen::Matrix<double, 2, 3>> picture_by_point(const Camera& camera, bool is_pinhole,
                                                             const Vector3d& point) {
   if (!is_pinhole) {
@@ -92,7 +92,7 @@ bool is_inside(const Camera& camera, const Vector2d& pixel) {
 }
 
 // An even path of m pixels has a standard deviation of m / sqrt(12). The limits, measured with
-// normal blur, hold for it while it is short: a path of some modules has gaps in its spectrum that
+// normal blur, apply to it while it is short: a path of some modules has gaps in its spectrum that
 // no normal blur has (4 modules are not read), and one longer than a stroke leaves none of its
 // black.
 constexpr double kMostModules = 3;
@@ -171,7 +171,7 @@ SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
     const double y = (camera.height - 1) * i / static_cast<double>(kSteps);
     for (const Vector2d& pixel : {Vector2d(x, 0), Vector2d(x, camera.height - 1), Vector2d(0, y),
                                   Vector2d(camera.width - 1, y)}) {
-      // Where the border has no ray, the picture reaches as far as the lens does.
+      // Where the border has no ray, the picture extends as far as the lens does.
       constexpr double kFar = 1e3;
       const std::optional<Vector3d> found = ray_through(camera, pixel);
       const Vector3d ray = found.value_or(Vector3d(kFar, kFar, 1));
@@ -254,7 +254,7 @@ bool SightModel::may_see(std::size_t camera, const CameraStand& stand, std::size
   const double cosine = std::min(1.0, before / nearest);
   if (lens.magnification * module_ * cosine / nearest < book_.least_module_px()) return false;
   if (distance <= 2 * slack) return true;
-  // The middle must lie in the image: its pyramid, widened by what slack and turn may do.
+  // The middle must lie in the image: its pyramid, widened by the effect of slack and turn.
   const Vector3d middle = stand.camera_from_world.rotation * way;
   const double room = slack + (distance + slack) * turn;
   const auto inside = [&](double side, double across) {
@@ -322,8 +322,8 @@ bool SightModel::is_hidden(const Surroundings& around, const CameraStand& stand,
          (around.floor_and_roof && is_behind(*around.floor_and_roof, stand, plate));
 }
 
-// What the modules count for: those at the farther end of the frame, by its strokes and heights.
-// `right` and `down` are the pictures of a metre at the middle.
+// The effective width of the modules: those at the farther end of the frame, by its strokes and
+// heights. `right` and `down` are the pictures of a metre at the middle.
 double SightModel::effective_px(std::size_t camera, const InView& view, const Vector2d& right,
                                 const Vector2d& down) const {
   const RigCamera& rig_camera = rig_->cameras[camera];

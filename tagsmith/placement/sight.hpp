@@ -24,7 +24,7 @@ inline constexpr double kUsualBlurPx = 0.7;
 // image's border: the reader does not need the whole stroke. Agreement: `./dev bench plan`.
 inline constexpr double kBorderPx = 3;
 
-// No plate further from the camera than this is looked for, whatever the lens: dust, dark and bends
+// No plate farther from the camera than this is considered, whatever the lens: dust, dark and bends
 // of the drive hide it long before.
 inline constexpr double kFarthestSight = 200;  // metres
 
@@ -32,12 +32,12 @@ inline constexpr double kFarthestSight = 200;  // metres
 struct CameraStand {
   Pose camera_from_world;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the world
-  // What the camera does while the vehicle goes on by a metre, in the camera frame.
+  // The camera's motion while the vehicle moves on by a metre, in the camera frame.
   Eigen::Vector3d travel = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // rotation vector, radians
 };
 
-// What may stand between a camera and a plate; nothing where nothing of it can.
+// The surfaces that may lie between a camera and a plate; nothing where none can.
 struct Surroundings {
   std::optional<TunnelWalls> walls = {};
   std::optional<FloorAndRoof> floor_and_roof = {};
@@ -52,7 +52,7 @@ struct PlateSight {
   double cosine = 0;       // of the incidence
   double distance = 0;     // from the camera to the middle of the frame, metres
   // Width of the modules at the farther end of the frame, less where its strokes are thin or its
-  // heights foreshortened (frame_share): by this the reader's limits and noise are looked up.
+  // heights foreshortened (frame_share): the reader's limits and noise are looked up by it.
   double effective_px = 0;
   double blur_px = 0;     // lens and focus, standard deviation
   double smear_px = 0;    // path of the picture across the bars for a metre of travel, pixels
@@ -66,8 +66,7 @@ struct PlateSight {
 // How far from the vehicle's centre the farthest camera is mounted, metres.
 double arm_length(const Rig& rig);
 
-// A survey's plates and a rig's cameras, prepared for millions of questions. Keeps pointers to
-// both.
+// A survey's plates and a rig's cameras, prepared for millions of queries. Keeps pointers to both.
 class SightModel {
  public:
   SightModel(const Survey& survey, const Rig& rig, ReadShare share = ReadShare::reliable);
@@ -87,7 +86,7 @@ class SightModel {
                                  const Surroundings& around) const;
 
   // Whether the image's border leaves so much of a plate in sight, from its begin or its end on,
-  // and in the open, that the reader identifies it with the code book while the vehicle moves by so
+  // and unhidden, that the reader identifies it with the code book while the vehicle moves by so
   // many metres. Never through a lens that bends straight lines.
   bool shows_part(std::size_t camera, const CameraStand& stand, std::size_t tag,
                   const Surroundings& around, double moved) const;
@@ -101,7 +100,7 @@ class SightModel {
   // The part of tags_by_chainage() that lies in [low, high], as begin and end.
   std::pair<std::size_t, std::size_t> tags_between(double low, double high) const;
 
-  // What may hide a tag from a vehicle between these chainages.
+  // The surfaces that may hide a tag from a vehicle between these chainages.
   Surroundings surroundings(double first, double last) const;
 
  private:
@@ -127,7 +126,7 @@ class SightModel {
   double standoff_between(double low, double high) const;
   // What a camera shows of a plate, wherever the image's border is.
   struct InView {
-    PlateSight sight;                     // but for the ways of travel
+    PlateSight sight;                     // without the distances that the vehicle may move
     Eigen::Vector3d middle, right, down;  // of the plate, in the camera frame
   };
 

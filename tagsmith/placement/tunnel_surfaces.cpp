@@ -70,7 +70,7 @@ void TunnelWalls::add(const CenterlinePoint& start, double curvature, double len
 
 void TunnelWalls::add_pieces(const Centerline& line, Side side, const ChainageProfile& offset,
                              double first, double last) {
-  constexpr double kSag = 0.002;  // metres that straight pieces miss a curved wall by
+  constexpr double kSag = 0.002;  // metres by which straight pieces miss a curved wall
   const std::vector<SidePoint> points = side_points(line, offset, first, last, kSag);
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Vector2d from = points[i - 1].position.head<2>();
@@ -152,8 +152,8 @@ double standoff_behind(double farthest) {
 
 namespace {
 
-// Chainages within `reach` of one, where floor or roof do not go on as before.
-// Why: docs/decisions/0014-walls-and-grade.md.
+// Chainages within `reach` of one, where floor or roof do not continue as before. Why:
+// docs/decisions/0014-walls-and-grade.md.
 std::vector<double> breaks_of(const Tunnel& tunnel, double chainage, double reach) {
   std::vector<double> breaks = tunnel.height.is_constant()
                                    ? std::vector<double>{}

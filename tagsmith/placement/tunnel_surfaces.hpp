@@ -25,8 +25,8 @@ struct WallHit {
   double cosine = 1;  // of the angle between the ray, seen from above, and the wall's normal
 };
 
-// The walls along a tunnel's center line, straight on before its start and beyond its end. World
-// frame.
+// The walls along a tunnel's center line, continued straight before its start and beyond its end.
+// World frame.
 class TunnelWalls {
  public:
   // Walls that stand `standoff` metres (at least the tunnel's own) behind the plates' planes, as
@@ -91,9 +91,9 @@ struct RoomExit {
 };
 
 // The changes of grade and of the roof's height within `reach` metres of a chainage. Between two of
-// them floor and roof rise evenly with the chainage, so that a ray with both ends in the room can
-// leave it at a change only; exact where the center line is straight, and in a bend to what a ray's
-// chainage departs from evenness between two changes. World frame.
+// them floor and roof rise evenly with the chainage, so that a ray with both ends in the tunnel can
+// leave it only at a change; exact where the center line is straight, and in a bend except for the
+// unevenness of a ray's chainage between two changes. World frame.
 class FloorAndRoof {
  public:
   FloorAndRoof(const Tunnel& tunnel, double chainage, double reach = 60);

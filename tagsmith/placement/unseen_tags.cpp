@@ -46,7 +46,7 @@ class Search {
     const double chainage = survey_.tags[tag].chainage;
     const double reach = model_.reach() + envelope_.lateral + arm_;
     const int steps = static_cast<int>(std::ceil(reach / kStep));
-    // Outwards from the tag: what is seen at all is mostly seen from near by.
+    // Outwards from the tag: a tag that is seen at all is usually seen from near by.
     for (int i = 0; i <= steps; ++i) {
       for (const double side : {-1.0, 1.0}) {
         if (sees_from(tag, chainage + side * i * kStep)) return true;
@@ -75,8 +75,8 @@ class Search {
     return false;
   }
 
-  // What may stand in the way near this chainage. What is kept of it is bounded, so that a long
-  // drive takes no more memory than a short one.
+  // The surfaces that may hide tags near this chainage. A limited number of them is kept, so that a
+  // long drive takes no more memory than a short one.
   const Surroundings& around(double chainage) {
     const int block = static_cast<int>(std::floor(chainage / kBlock));
     const auto known = surroundings_.find(block);

@@ -12,9 +12,9 @@ namespace tagsmith::detail {
 
 // Indices in survey.tags of those that no camera of the rig sees completely and large enough to be
 // read standing still with the survey as code book, wherever on the center line the vehicle is
-// (every quarter metre) and however its envelope lets it stray: middle and edges, turned and tilted
-// or not. The vehicle drives along the drive, not against it. Takes linear time in the number of
-// tags.
+// (every quarter metre) and however far its envelope lets it stray: middle and edges, turned and
+// tilted or not. The vehicle drives along the drive, not against it. Takes linear time in the
+// number of tags.
 std::vector<std::size_t> unseen_tags(const Survey& survey, const Rig& rig);
 
 }  // namespace tagsmith::detail
