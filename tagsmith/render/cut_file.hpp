@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a cutting plotter follows.
+// The file for a cutting plotter.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a drawing's title block says, and the paper that it stands on.
+// The text of a drawing's title block, and the paper of the drawing.
 #pragma once
 
 #include <string>

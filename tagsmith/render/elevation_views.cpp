@@ -24,7 +24,7 @@ std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_wor
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
 }
 
-// The start of the drive: a place, a direction and what the survey says of them.
+// The start of the drive: a place, a direction and their text in the survey.
 void draw_start(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
   const CenterlinePoint start = survey.tunnel.centerline.at(0);
   const Eigen::Rotation2Dd turn(strip.view_from_world.linear());
@@ -74,7 +74,7 @@ DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, bool fi
   return view;
 }
 
-// Where a wall's points come to lie when it is unrolled.
+// Where a wall's points lie when it is unrolled.
 class Unrolled {
  public:
   Unrolled(const Survey& survey, const PlanStrip& strip, Side side)
@@ -194,7 +194,8 @@ void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& w
                       .text = "plate " + metres(b.x() - a.x())});
 }
 
-// What a tape shows from P to P; on a curve neither the chainage nor the unrolled wall does.
+// The distance that a tape shows from P to P; on a curve it is neither the chainage's nor the
+// unrolled wall's.
 double distance(const PlacedTag& a, const PlacedTag& b) {
   return (a.p_in_grid - b.p_in_grid).norm();
 }

@@ -9,13 +9,13 @@
 
 namespace tagsmith::detail {
 
-// The outlines of what is darker than middle grey in the SVG file, on white ground, in a room with
-// its corner at the origin: as large as the room allows, in its middle, and true to 1/4000 of its
-// longer side. Plates are of one ink, so colours end here. Fails on a file of more than 2 MB, on
-// one that is no SVG, and on a picture without anything dark.
+// The outlines of everything darker than middle grey in the SVG file, on white ground, in a
+// rectangle with its corner at the origin: as large as the rectangle allows, in its middle, and
+// true to 1/4000 of its longer side. Plates are of one ink, so colours are not kept. Fails on a
+// file of more than 2 MB, on one that is no SVG, and on a picture without anything dark.
 Result<LogoDrawing> load_logo(const std::filesystem::path& file, double width, double height);
 
-// The logo moved into the room, which is as large as the one that it was loaded for.
+// The logo moved into the rectangle, which is as large as the one that it was loaded for.
 LogoDrawing in_room(LogoDrawing logo, const Rectangle& room);
 
 }  // namespace tagsmith::detail

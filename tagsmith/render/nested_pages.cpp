@@ -27,8 +27,8 @@ class Skyline {
  public:
   explicit Skyline(double width) : width_(width) {}
 
-  // The highest place for a room of this size, the leftmost of several; nothing when it is wider
-  // than the strip.
+  // The highest place for a rectangle of this size, the leftmost of several; nothing when it is
+  // wider than the strip.
   std::optional<Step> find(const PlateSize& size) const {
     std::optional<Step> best;
     for (std::size_t i = 0; i < steps_.size(); ++i) {
@@ -67,7 +67,7 @@ PlateSize turned(const PlateSize& size) { return {size.height, size.width}; }
 
 enum class Stand { as_it_is, turned, higher };  // higher: whichever ends higher on the strip
 
-// How a packing comes about: plates before `change` stand in one way, the others in another.
+// The parameters of a packing: plates before `change` stand in one way, the others in another.
 struct Way {
   Stand first = Stand::as_it_is;
   Stand others = Stand::as_it_is;
@@ -95,7 +95,7 @@ std::optional<PlatePlace> place_in(const Skyline& skyline, const PlateSize& size
   return PlatePlace{at.x, at.y, turn};
 }
 
-// Ends with the first plate that has no room.
+// Ends with the first plate that does not fit.
 PlatePacking pack(const PlateSize& plate, std::size_t count, const Strip& strip, const Way& way) {
   PlatePacking packing;
   Skyline skyline(strip.width);

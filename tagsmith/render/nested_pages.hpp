@@ -13,7 +13,7 @@
 
 namespace tagsmith::detail {
 
-// ---- Plates of one size beside and below each other on a strip of paper, as close as they go.
+// ---- Plates of one size beside and below each other on a strip of paper, as close as possible.
 
 // Metres; with the plate's share of the gaps around it.
 struct PlateSize {
@@ -33,10 +33,10 @@ struct PlatePacking {
   double length = 0;               // of the strip that they take
 };
 
-// `count` plates, or as many as a strip of this width and length holds, on as short a piece of it
-// as is found; equally short, the way that turns fewer of them. Without `may_turn` each stands as
-// it is, row by row. Time grows with plates times their number across the strip; packings that are
-// tried are few for many plates.
+// `count` plates, or as many as a strip of this width and length holds, on the shortest piece of it
+// that is found; of equally short ones, the way that turns fewer of them. Without `may_turn` each
+// stands upright, row by row. Time grows with plates times their number across the strip; for many
+// plates few packings are tried.
 PlatePacking pack_plates(const PlateSize& plate, std::size_t count, double width, double length,
                          bool may_turn);
 
@@ -63,7 +63,7 @@ inline constexpr std::size_t kMostNestedPlates = 2000;
 std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& paper, double bleed,
                                   int dots_per_inch, std::size_t plates = kMostNestedPlates);
 
-// What carries a plate of this size: "A2, A1, A0 or a roll of 323 mm".
+// The papers that can hold a plate of this size: "A2, A1, A0 or a roll of 323 mm".
 std::string papers_for(const Rectangle& plate, double bleed, const PrinterScale& reach);
 
 struct NamedDrawing {
@@ -76,7 +76,7 @@ struct NamedDrawing {
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
                     const NestPlan& plan);
 
-// What pages use of a roll.
+// The amount of a roll that pages use.
 struct RollUse {
   double length = 0;  // metres
   double area = 0;    // square metres

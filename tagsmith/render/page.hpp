@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A printed page: plates at true scale, and around them what people cut, align and measure by.
+// A printed page: plates at true scale, with marks around them for cutting, aligning and measuring.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace tagsmith::detail {
 
-// What is said about a page, in its margin and in the file's metadata.
+// The text about a page, in its margin and in the file's metadata.
 struct PageNotes {
   std::string title;                // the survey and the tag
   std::string subject;              // what is on the page
@@ -49,17 +49,17 @@ struct Page {
   std::vector<PageTag> tags{};
   std::vector<PageLine> lines{};  // marks and scale bars
   std::vector<TextItem> texts{};
-  std::optional<Rectangle> trim{};   // what is cut out: the plate, where it is the page's only one
+  std::optional<Rectangle> trim{};   // the part cut out: the plate, where it is the page's only one
   std::optional<Rectangle> bleed{};  // to where the plate's surface is printed
 };
 
 struct PageStyle {
   double margin = 0.025;  // around the plate, metres; at least least_margin(bleed)
   double bleed = 0.003;   // of the plate's surface beyond its edge
-  int dots_per_inch = 0;  // P stands on a whole dot of this printer; 0 = wherever it falls
+  int dots_per_inch = 0;  // P stands on a whole dot of this printer; 0 = anywhere
 };
 
-// What the margin has to hold: bleed, crop marks, scale bars and notes.
+// The margin must hold: bleed, crop marks, scale bars and notes.
 double least_margin(double bleed);
 
 // Nominal length of the scale bars, metres.
@@ -90,7 +90,7 @@ void add_note(Page& page, const std::string& text, double baseline, double max_w
 // "feature frame inside 343 x 168 mm ...": what to check with a tape.
 std::string what_to_measure(const TagDrawing& tag);
 
-// The nearest place at or before which a dot begins; `value` itself for 0 dots per inch.
+// The nearest begin of a dot at or before the value; `value` itself for 0 dots per inch.
 double at_dot(double value, int dots_per_inch);
 
 }  // namespace tagsmith::detail

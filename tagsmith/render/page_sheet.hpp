@@ -7,10 +7,10 @@
 
 namespace tagsmith::detail {
 
-// All in black. Feature frame, bars, arrow, patches, drill holes and label are layers of their own,
+// All in black. Feature frame, bars, arrow, patches, drill holes and label are separate layers,
 // named `tag-1-bars` and so on where the page has several tags or shows one in part, and titled
 // with the tag's name. `with_contour`: outlines and holes of plates that are to be cut are in the
-// layer CutContour; without it holes are circles to drill.
+// layer CutContour; without it holes are circles for drilling.
 Sheet sheet_of(const Page& page, bool with_contour = true);
 
 // The sheet's content larger or smaller about the upper left corner of the paper, which keeps its

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PDF/X-4 (ISO 15930-7): PDF files that say for which press they are made.
+// PDF/X-4 (ISO 15930-7): PDF files that state for which press they are made.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct OutputIntent {
 // or $SOURCE_DATE_EPOCH, so that builds can be repeated byte by byte.
 Result<OutputIntent> load_output_intent(const std::filesystem::path& file);
 
-// What the document says of itself; empty texts are left out.
+// What the document states about itself; empty texts are left out.
 struct PdfDescription {
   std::string title;
   std::string subject;

@@ -69,7 +69,7 @@ struct LegendEntry {
   const char* text;
 };
 
-// Lines with what they mean, beside each other; `y`: of their words, metres on paper.
+// Lines with their meaning, beside each other; `y`: of the words, metres on paper.
 void draw_legend(SketchLayer& layer, const std::vector<LegendEntry>& entries, double y,
                  double room) {
   double x = 0;
@@ -132,8 +132,9 @@ void draw_coverage_strip(const DrivePlan& plan, const ProfileAxes& axes, Sketch&
   }
 }
 
-// A curve of steps, for each time that a tag comes or goes it jumps: what a column has holds up to
-// the next. Broken where there is no value; at most 2000 steps, each the greatest of its columns.
+// A curve of steps, because it jumps each time that a tag appears or disappears: the value of a
+// column applies up to the next. Broken where there is no value; at most 2000 steps, each the
+// greatest of its columns.
 void draw_curve(const DrivePlan& plan, const ProfileAxes& axes, const LineStyle& style,
                 const std::function<double(const PlanColumn&)>& value, Sketch& sketch) {
   const std::size_t stride = std::max<std::size_t>(1, plan.columns.size() / 2000);
@@ -158,7 +159,7 @@ void draw_curve(const DrivePlan& plan, const ProfileAxes& axes, const LineStyle&
   finish();
 }
 
-// Whole decades around all that is drawn.
+// Whole decades around everything that is drawn.
 ProfileAxes profile_axes(const DrivePlan& plan, double room) {
   constexpr int kMostDecades = 5;
   constexpr double kFinest = 1e-6;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan of a drive as a technical drawing: the tunnel with its tags, what the cameras see, how far
-// a position is had, and the uncertainty along the chainage.
+// A plan of a drive as a technical drawing: the tunnel with its tags, what the cameras see, where a
+// position is available, and the uncertainty along the chainage.
 #pragma once
 
 #include <array>

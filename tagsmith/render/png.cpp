@@ -35,7 +35,7 @@ class BandPainter {
 
   bool ok() const { return cairo_surface_status(surface_.get()) == CAIRO_STATUS_SUCCESS; }
 
-  // Rows are asked for one after the other.
+  // Rows are requested one after the other.
   const unsigned char* row(int number) {
     if (number % kBandRows == 0) paint(number);
     const unsigned char* pixels = cairo_image_surface_get_data(surface_.get()) +
@@ -104,7 +104,7 @@ bool write_rows(png_structp png, png_infop info, std::string& bytes, png_uint_32
 }  // namespace
 
 Result<std::string> render_png(const Sheet& sheet, double dots_per_inch, PngColours colours) {
-  constexpr double kRounding = 1e-6;  // pixels: whole ones stay what they are
+  constexpr double kRounding = 1e-6;  // pixels: whole ones stay unchanged
   const double pixels_per_metre = dots_per_inch / kMetresPerInch;
   const double width = std::ceil(sheet.width * pixels_per_metre - kRounding);
   const double height = std::ceil(sheet.height * pixels_per_metre - kRounding);

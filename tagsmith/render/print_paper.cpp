@@ -44,10 +44,10 @@ std::optional<PrintPaper> parse_size(const std::string& text) {
                     std::max(sides->width, sides->height)};
 }
 
-// The least side of a page that has room for a scale bar between the borders.
+// The least side of a page on which a scale bar fits between the borders.
 constexpr double kLeastSide = kScaleBarLength + PaperBorder::kTop + PaperBorder::kBottom;
 
-// `option`: how the paper was asked for. A roll has one side.
+// `option`: the paper as the user named it. A roll has one side.
 Result<PrintPaper> checked(const std::string& option, const PrintPaper& paper) {
   const double shortest = paper.roll() ? paper.width : std::min(paper.width, paper.height);
   if (shortest >= kLeastSide && std::max(paper.width, paper.height) <= kLongestPage) return paper;

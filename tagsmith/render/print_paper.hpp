@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Papers and rolls to print on, and what of them holds plates.
+// Papers and rolls for printing, and their area for plates.
 #pragma once
 
 #include <span>
@@ -25,7 +25,7 @@ struct PrintPaper {
 std::span<const PrintPaper> print_papers();
 
 // A name of these in any case of letters, WIDTHxHEIGHT or roll:WIDTH in millimetres. Fails on
-// others and on papers that cannot carry a scale bar or that PDF cannot say.
+// others and on papers that cannot hold a scale bar or that PDF cannot express.
 Result<PrintPaper> parse_print_paper(const std::string& text);
 
 // WIDTHxHEIGHT in millimetres of a plate that is printed on, as it lies: the width may be the
@@ -41,7 +41,7 @@ struct PaperBorder {
   static constexpr double kBottom = 0.014;
 };
 
-// The longest page of a roll, metres: what PDF can say (ISO 32000-1, Annex C.2), rounded down.
+// The longest page of a roll, metres: the limit of PDF (ISO 32000-1, Annex C.2), rounded down.
 inline constexpr double kLongestPage = 5.0;
 
 // The part of a page of this size that holds plates.

@@ -56,8 +56,8 @@ std::string without_group(std::string page) {
   return end == std::string::npos ? page : page.erase(begin, end + kEnd.size() - begin);
 }
 
-// Only content of pages has nothing but its length and its filter to say; the maps from glyphs to
-// characters have that too, and no operators of colour.
+// Only page content has no other keys than its length and its filter; the maps from glyphs to
+// characters have the same, and no operators of colour.
 bool may_have_colours(std::string_view dictionary) {
   return std::ranges::count(dictionary, '/') == 3 &&
          dictionary.find("/Filter /FlateDecode") != std::string_view::npos;
@@ -148,7 +148,7 @@ bool PrintSettingsFilter::take(std::string_view bytes) {
     }
     const std::string_view object = std::string_view(held_).substr(0, end);
     searched_ = end + 1;
-    // In a stream these bytes may stand by chance.
+    // In a stream these bytes may occur by chance.
     if (object.find(kStream) != std::string_view::npos && !object.ends_with(kEndOfStream)) continue;
     take_object(object);
     held_.erase(0, end + kEndOfObject.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Cairo leaves unsaid in a PDF that must be printed at true scale. Internal to
+// The settings that Cairo leaves out of a PDF that must be printed at true scale. Internal to
 // tagsmith/render.
 #pragma once
 
@@ -16,14 +16,14 @@
 
 namespace tagsmith::detail {
 
-// What a page says to those who cut it.
+// A page's settings for cutting.
 struct PdfPageSettings {
   std::string boxes;  // entries of the page's dictionary (ISO 32000-2, 14.11.2); may be empty
   bool has_contour = false;  // pure magenta strokes are a cut contour
 };
 
 // Stands between Cairo, which writes a PDF of version 1.4 object by object, and the file; holds one
-// object at a time. What comes out is the same PDF with
+// object at a time. The result is the same PDF with
 // - /ViewerPreferences that forbid scaling and pick the paper by the page's size (ISO 32000-2,
 //   12.2),
 // - black and white as DeviceGray, which a printer sets in black ink alone, not as a mixture,
@@ -41,10 +41,10 @@ class PrintSettingsFilter {
   explicit PrintSettingsFilter(Sink sink, const OutputIntent* intent = nullptr)
       : sink_(std::move(sink)), intent_(intent) {}
 
-  // What the metadata of PDF/X says, before the end.
+  // The metadata for PDF/X, before the end.
   void describe(PdfDescription description) { description_ = std::move(description); }
 
-  // The settings of the next page; said before Cairo shows it.
+  // The settings of the next page; to be called before Cairo shows it.
   void add_page(const PdfPageSettings& page);
 
   // Cairo's bytes, in pieces of any size; false when the sink takes no more.

@@ -9,8 +9,8 @@
 
 namespace tagsmith::detail {
 
-// In the middle of the paper, which stands upright. `profile`: what is taken away of the printer's
-// growth and scale; the default takes nothing. Fails on paper that it does not fit.
+// In the middle of the paper, which stands upright. `profile`: the correction for the printer's
+// growth and scale; the default corrects nothing. Fails on paper that is too small for it.
 Result<Sheet> printer_sheet(const PrintPaper& paper, const PrinterProfile& profile = {});
 
 }  // namespace tagsmith::detail

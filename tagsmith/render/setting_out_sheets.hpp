@@ -14,8 +14,8 @@
 namespace tagsmith::detail {
 
 // Upright sheets of Letter or else of A4 with a row a tag: name, side, chainage, offset, height, x,
-// y, z, tolerance, digits, and a box to tick; below it a row for a plate that hangs otherwise than
-// its wall says. The head says what each column means.
+// y, z, tolerance, digits, and a box to tick; below it a row for a plate that does not hang as its
+// wall says. The head says what each column means.
 std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
                                      const std::string& revision, Paper paper = Paper::a3);
 

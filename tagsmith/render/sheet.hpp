@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sheet of paper with everything at its place on it: what PDF, SVG and PNG are written from, for
+// A sheet of paper with everything at its place on it: the source of PDF, SVG and PNG, for
 // technical drawings and for pages with plates alike.
 #pragma once
 
@@ -39,7 +39,7 @@ struct SheetText {
 
 using SheetItem = std::variant<SheetLine, SheetArea, SheetText, SheetPicture>;
 
-// Calls the function with every place that the item stands at.
+// Calls the function with every place of the item.
 template <class Function>
 void for_each_place(SheetItem& any, const Function& function) {
   std::visit(
@@ -74,7 +74,7 @@ struct Sheet {
   std::string subject;
   std::vector<SheetLayer> layers;
   std::string keywords{};
-  std::optional<Eigen::AlignedBox2d> trim{};   // what is cut out, where that is one piece
+  std::optional<Eigen::AlignedBox2d> trim{};   // the area that is cut out, where that is one piece
   std::optional<Eigen::AlignedBox2d> bleed{};  // to where its surface is printed
   bool text_as_outlines = false;               // PDF has areas in place of letters of a font
 };

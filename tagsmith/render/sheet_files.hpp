@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sheets as files of the format that their name says.
+// Sheets as files, in the format that the file name gives.
 #pragma once
 
 #include <filesystem>

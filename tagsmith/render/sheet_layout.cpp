@@ -237,7 +237,7 @@ std::optional<std::vector<SheetViews>> flow(std::span<const DrawingView> views, 
 
 double next_round_scale(double denominator) { return round_scale(denominator * 1.01); }
 
-// A denominator that is surely not too large to begin the search with.
+// A denominator that is certainly not too large, to begin the search with.
 double finest_scale(std::span<const DrawingView> views, const Vector2d& room) {
   double least = 0;
   for (const DrawingView& view : views) {
@@ -324,7 +324,7 @@ void add_view(Sheet& sheet, const PlacedView& placed, const Vector2d& area_corne
   }
 }
 
-// Moves rows apart so that they fill the sheet evenly, though not by much.
+// Moves rows apart so that they fill the sheet evenly, but only a little.
 void spread(SheetViews& views, const Vector2d& room) {
   constexpr double kMostMore = 0.02;
   double bottom = 0;

@@ -47,14 +47,14 @@ struct DrawingStyle {
   Paper paper = Paper::a3;
   // Denominator of the least scale at which the sketches can be read. The drawing has the greatest
   // round scale with which all views share one sheet; where that would be less than this, it has
-  // this one and as many sheets as that takes. A view larger than a sheet makes the scale less.
+  // this one and as many sheets as necessary. A view larger than a sheet makes the scale less.
   double coarsest_scale = 1e9;
 };
 
 // The room for views on a sheet, metres on paper.
 Eigen::Vector2d drawing_area(Paper paper);
 
-// The table in as many views as the sheet's height makes of it, rows `step` apart.
+// The table in as many views as the sheet's height requires, rows `step` apart.
 std::vector<DrawingView> table_views(std::span<const ViewColumn> columns, TextAlign align,
                                      double step, std::span<const ViewRow> rows, Paper paper);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a technical drawing shows, before it has a scale: lines, areas, words and dimensions in
+// The content of a technical drawing, before it has a scale: lines, areas, words and dimensions in
 // metres of the ground, with line weights and text sizes in metres of paper.
 #pragma once
 
@@ -136,7 +136,7 @@ struct Arrow {
 
 // A dimension line with arrows, extension lines and its text (ISO 129-1). It runs `offset` metres
 // on paper to the left of the way from `from` to `to`, or to the right when negative. Where the
-// arrows have no room between the extension lines, they stand outside.
+// arrows do not fit between the extension lines, they are placed outside.
 struct Dimension {
   SketchPoint from{Eigen::Vector2d::Zero()};
   SketchPoint to{Eigen::Vector2d::Zero()};

@@ -11,7 +11,7 @@
 
 namespace tagsmith::detail {
 
-// ---- The room for words.
+// ---- The space for words.
 
 namespace {
 
@@ -251,8 +251,8 @@ class Drafter {
         SheetText{text, start, height, angle, width * 1.001, colour});
   }
 
-  // Where words may move to, the nearest first, when their place is taken: lines up or down the
-  // sheet, and upright words away from what they name.
+  // The places to which words may move, the nearest first, when their own place is occupied: lines
+  // up or down the sheet, and upright words away from the object that they name.
   static std::vector<Vector2d> moves_of(const Vector2d& reading, double height, bool ends_there) {
     constexpr int kMostLines = 40;
     const bool upright = std::abs(reading.y()) > 0.7;
@@ -288,7 +288,7 @@ class Drafter {
   SketchOnPaper result_;
 };
 
-// Calls the function with every point that places the item.
+// Calls the function with every point that determines the item's place.
 template <class Function>
 void for_each_point(const SketchItem& any, const Function& function) {
   std::visit(
@@ -336,7 +336,7 @@ std::optional<Vector2d> model_extent(const Sketch& sketch) {
   return box.isEmpty() ? Vector2d(0, 0) : Vector2d(box.sizes());
 }
 
-// ---- A sketch by itself.
+// ---- A sketch alone.
 
 Sheet picture_sheet(const Sketch& sketch, const std::string& title) {
   constexpr double kMargin = 0.002;

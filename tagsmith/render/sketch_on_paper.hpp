@@ -16,7 +16,7 @@
 
 namespace tagsmith::detail {
 
-// ---- Which part of a drawing is taken by words, so that none stand over others. Internal to
+// ---- Which part of a drawing is occupied by words, so that words do not overlap. Internal to
 // tagsmith/render.
 
 // A rectangle at any angle: a corner and the two sides from there, metres on paper.
@@ -28,8 +28,8 @@ struct TurnedBox {
 
 class LabelRoom {
  public:
-  // The first of the moves that brings the box where nothing is; none = the box stays. The box is
-  // taken where it then is.
+  // The first of the moves that brings the box to a free place; none = the box stays. Its place is
+  // then occupied.
   Eigen::Vector2d take(const TurnedBox& box, std::span<const Eigen::Vector2d> moves);
 
  private:
@@ -50,15 +50,15 @@ struct SketchOnPaper {
 // The item at another place of its sheet.
 SheetItem moved(SheetItem item, const Eigen::Vector2d& by);
 
-// Words whose place others have taken move by lines, upright ones away from what they name, with a
-// line to there.
+// Words whose place is occupied move by lines, upright ones away from the object that they name,
+// with a line to it.
 SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator);
 
 // Width and height of the sketch's points on the ground, metres; nothing when a point
 // is not finite.
 std::optional<Eigen::Vector2d> model_extent(const Sketch& sketch);
 
-// ---- A sketch by itself, for pages that show it as a picture.
+// ---- A sketch alone, for pages that show it as a picture.
 
 // A sheet as large as the sketch's ink with a margin of 2 mm; one metre of the ground is one of
 // paper.

@@ -39,7 +39,7 @@ std::string element_text(const CenterlineElement& element) {
          "\u00b0" + grade;
 }
 
-// A clothoid is one, whatever arcs it is made of.
+// A clothoid counts as one, whatever number of arcs it consists of.
 std::vector<std::string> element_texts(std::span<const CenterlineElement> elements) {
   std::vector<std::string> texts;
   while (!elements.empty()) {
@@ -226,7 +226,7 @@ DrawingPart detail_part(const Survey& survey, const std::optional<Rig>& rig, Pap
   return part;
 }
 
-// All of the survey's plan, as the world lies.
+// The whole plan of the survey, in world axes.
 PlanStrip whole_as_it_lies(const Survey& survey) {
   const std::vector<PlanStrip> strips = plan_strips(survey);
   return {strips.front().from, strips.back().to, Eigen::Isometry2d::Identity()};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drawing "what this file means": surveyor and engineer see the same thing before anything is
+// The drawing "what this file means", so that surveyor and engineer see the same before anything is
 // printed.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace tagsmith::detail {
 
-// Tags listed in the drawing's table at most; a longer table belongs into `tagsmith export`.
+// Tags listed in the drawing's table at most; a longer table is for `tagsmith export`.
 inline constexpr std::size_t kMostListedTags = 2'000;
 
 struct SurveyDrawingStyle {
@@ -28,9 +28,9 @@ struct SurveyDrawingStyle {
 Result<std::vector<Sheet>> draw_survey(const Survey& survey, const std::optional<Rig>& rig,
                                        const SurveyDrawingStyle& style = {});
 
-// Several drives of one grid in one plan, +y up the sheet: tunnels, plates, where each begins.
-// Names of tags where the scale leaves room for them. Fails when the grids differ in handedness,
-// and as lay_out_sheets does.
+// Several drives of one grid in one plan, +y up the sheet: tunnels, plates, the begin of each
+// drive. Names of tags where the scale leaves space for them. Fails when the grids differ in
+// handedness, and as lay_out_sheets does.
 Result<std::vector<Sheet>> draw_together(const std::vector<Survey>& surveys, Paper paper);
 
 }  // namespace tagsmith::detail

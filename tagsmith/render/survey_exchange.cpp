@@ -136,7 +136,7 @@ void write_tables(DxfWriter& dxf) {
   dxf.groups("0 ENDSEC");
 }
 
-// What stands before the entities: metres, metric; tables; two empty blocks.
+// The sections before the entities: metres, metric; tables; two empty blocks.
 void write_head(DxfWriter& dxf) {
   dxf.groups("0 SECTION, 2 HEADER, 9 $ACADVER, 1 AC1015, 9 $HANDSEED, 5 FFFFFF, 9 $INSUNITS, 70 6");
   dxf.groups("9 $MEASUREMENT, 70 1, 0 ENDSEC, 0 SECTION, 2 CLASSES, 0 ENDSEC");
@@ -153,7 +153,7 @@ void write_head(DxfWriter& dxf) {
   dxf.groups("0 ENDSEC");
 }
 
-// What stands behind them: a dictionary that holds an empty one.
+// The sections behind them: a dictionary that holds an empty one.
 void write_tail(DxfWriter& dxf) {
   const std::string root = dxf.groups("0 SECTION, 2 OBJECTS, 0 DICTIONARY, 5 #");
   const std::string inner = fmt::format("{:X}", std::stoi(root, nullptr, 16) + 1);
@@ -206,7 +206,7 @@ void write_parallel(DxfWriter& dxf, const char* layer, const Survey& survey, dou
   double start = 0;
   for (const CenterlineElement& element : line.elements()) {
     const double end = start + element.length;
-    // At the end of an element `at` speaks of the next one, which begins at the same place.
+    // At the end of an element `at` returns the next one, which begins at the same place.
     if (element.curvature == 0) {
       dxf.entity("LINE", layer, "AcDbLine");
       dxf.point(10, in_grid(start, offset));
@@ -366,7 +366,7 @@ std::string alignment_xml(const Survey& survey) {
                     name, profile);
 }
 
-// What holds for all tags, by the columns of the CSV.
+// The values that all tags share, by the columns of the CSV.
 std::vector<std::pair<std::string, std::string>> listed_survey(const Survey& survey) {
   const PositionCode& code = survey.code;
   std::vector<std::pair<std::string, std::string>> listed{

@@ -58,7 +58,7 @@ DrawingView pair_plan(const Survey& survey, const TagPair& pair);
 // A plate seen facing it, with P, F and Q.
 DrawingView plate_view(const Survey& survey, const PlacedTag& tag);
 
-// The vehicle from above between the walls: where its cameras look, what its ranges measure.
+// The vehicle from above between the walls: where its cameras look and its ranges measure.
 DrawingView rig_view(const Survey& survey, const Rig& rig);
 
 // What the file means, in words.

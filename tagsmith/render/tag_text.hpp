@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a survey's tag says to people.
+// The texts of a survey's tag for people.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ std::string grouped_digits(const PositionCode& code, const Digits& digits);
 // (survey/revision.hpp), which is left out when empty.
 TagText tag_text(const Survey& survey, const PlacedTag& tag, const std::string& revision = {});
 
-// What the template's QR symbol says of this tag.
+// The text of the template's QR symbol for this tag.
 std::string qr_content(const Survey& survey, const PlacedTag& tag, const std::string& revision);
 
 // The notes in the page's margin: the survey, the tag, what the plate is made of.

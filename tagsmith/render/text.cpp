@@ -60,10 +60,10 @@ bool begins_right_to_left(const std::string& text) {
   return false;
 }
 
-// Beside words from right to left, what stands between them from its first to its last letter or
-// digit keeps its own order, as a left-to-right isolate (Unicode Standard Annex 9): groups of
-// digits would be set in reversed order, and minus signs behind their numbers. So do the parts that
-// a middle dot joins, in the direction of the line.
+// Beside words from right to left, the text between them from its first to its last letter or digit
+// keeps its own order, as a left-to-right isolate (Unicode Standard Annex 9): otherwise groups of
+// digits would be set in reversed order, and minus signs behind their numbers. The same applies to
+// the parts that a middle dot joins, in the direction of the line.
 std::string with_isolates(const std::string& text) {
   constexpr gunichar kMiddleDot = 0x00B7;
   const std::string kBegin = "\u2066", kEnd = "\u2069";
@@ -144,7 +144,8 @@ Extents extents_of(PangoLayout* layout) {
           static_cast<double>(logical.width) / PANGO_SCALE};
 }
 
-// What every line of text begins with, made once a thread: it takes longer than setting the line.
+// The layout that every line of text starts from, made once a thread: making it takes longer than
+// setting the line.
 struct TextTools {
   Context context;
   double capital = 0;  // height of a capital letter in layout units; 0 without any font
@@ -195,7 +196,8 @@ SetText lay_out_text(const SheetText& text) {
   return set;
 }
 
-// Pages of one print repeat most of their texts: the last ones are kept, for each thread its own.
+// Pages of one print repeat most of their texts: the last ones are kept, separately for each
+// thread.
 const SetText& set_text(const SheetText& text) {
   constexpr std::size_t kKept = 64;
   using Key = std::tuple<std::string, double, double>;
@@ -216,7 +218,7 @@ double start_of(const SheetText& text, const SetText& set) {
 }
 
 std::string path_data(const cairo_path_t& path) {
-  // Finer than a printer's dot by far; nanometres would only swell the file.
+  // Much finer than a printer's dot; nanometres would only enlarge the file.
   constexpr int kDecimals = 4;
   std::string data;
   for (int i = 0; i < path.num_data; i += path.data[i].header.length) {

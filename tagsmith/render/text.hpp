@@ -24,9 +24,9 @@ double text_width(const std::string& text, double height);
 // The text in lines that are no longer, broken at its spaces; a longer word stays whole.
 std::vector<std::string> lines_of(const std::string& text, double width, double height);
 
-// Both set the text so that its ink keeps inside max_width, kTextAscent and kTextDescent: text too
-// wide is shrunk to 60 %, what is still too wide then ends in an ellipsis. Without any font on the
-// machine there is no text.
+// Both set the text so that its ink stays inside max_width, kTextAscent and kTextDescent: text that
+// is too wide is shrunk to 60 %; text that is still too wide then ends in an ellipsis. Without any
+// font on the machine there is no text.
 
 // Shows the text as glyphs; the context's user space is the sheet's frame.
 void show_text(cairo_t* context, const SheetText& text, bool as_outlines = false);

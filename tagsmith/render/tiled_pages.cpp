@@ -109,7 +109,7 @@ void add_crosses(Page& page, const TilePlan& plan, const Rectangle& plate,
   }
 }
 
-// Where the edges of the sheets to the right and below come to lie.
+// Where the edges of the sheets to the right and below will lie.
 void add_overlap_lines(Page& page, const TilePlan& plan, int column, int row) {
   const Rectangle& window = plan.window;
   const double right = window.x + window.width;
@@ -168,7 +168,7 @@ Page lay_out_tile(const std::string& name, const TagDrawing& tag, const PageNote
   const PlatePoint corner = window_in_plate(plan, column, row);
   const PlatePoint page_from_plate{plan.window.x - corner.x, plan.window.y - corner.y};
   TagDrawing drawing = moved(tag, page_from_plate.x, page_from_plate.y);
-  drawing.cut_contour = false;  // a cutting plotter has no use for a plate in pieces
+  drawing.cut_contour = false;  // a cutting plotter cannot use a plate in pieces
   add_plate_edge(page, drawing.plate, plan.window);
   page.tags.push_back({name, std::move(drawing), plan.window});
   add_crop_marks(page, plan.window, kPaperMarkGap, kPaperMarkLength);
@@ -208,7 +208,8 @@ void add_instructions(Page& page, const std::vector<std::string>& lines, double 
   }
 }
 
-// The middle of what a span shows of another, or of all of it when it shows too little for a text.
+// The middle of the part of another span that a span shows, or of all of it when the part is too
+// small for a text.
 double shown_middle(double from, double to, double shown_from, double shown_to) {
   constexpr double kText = 0.012;
   const double first = std::max(from, shown_from);

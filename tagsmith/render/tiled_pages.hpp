@@ -39,9 +39,9 @@ std::string tile_address(int column, int row);
 // Names of a plate's pages: "assembly", then the tiles' addresses row by row.
 std::vector<std::string> tile_page_names(const TilePlan& plan);
 
-// The assembly sheet and the tiles, row by row, so named. The assembly sheet shows the plate
-// reduced with the addresses, and says how to put it together and what to measure. A tile has crop
-// marks at its window's corners, a dashed line where the edge of the next sheet comes to lie,
+// The assembly sheet and the tiles, row by row, with these names. The assembly sheet shows the
+// plate reduced with the addresses, and says how to assemble it and what to measure. A tile has
+// crop marks at its window's corners, a dashed line where the edge of the next sheet will lie,
 // crosses at the ends of each seam that must coincide, and the plate's edge as a line.
 std::vector<Page> lay_out_tiles(const std::string& name, const TagDrawing& tag,
                                 const PageNotes& notes, const TilePlan& plan);

@@ -22,7 +22,7 @@ constexpr double kPlateThickness = 0.0007;
 constexpr double kNameClear = 0.0022;       // between wall and name
 constexpr double kStripOverhead = 0.032;    // names on both sides of the walls, title
 constexpr double kAxesOverhead = 0.030;     // axes beside the strip, names that stand over its ends
-constexpr double kMostTurn = radians(150);  // of one strip: a tighter one would run into itself
+constexpr double kMostTurn = radians(150);  // of one strip: a tighter one would overlap itself
 
 Vector2d in_view(const PlanStrip& strip, const Eigen::Vector3d& point_in_world) {
   return strip.view_from_world * Vector2d(point_in_world.head<2>());
@@ -182,7 +182,7 @@ Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag
       in_view(strip, pose * Eigen::Vector3d(plate_middle(survey.tag_template), 0, 0));
   const Vector2d outward = turned_to_view(strip, pose.rotation.col(2)).normalized();
   const double angle = std::atan2(outward.y(), outward.x());
-  // Read from the right rather than turned over by a bend of the wall.
+  // Readable from the right rather than turned upside down by a bend of the wall.
   const bool upside_down = angle > radians(105) || angle <= radians(-75);
   return {.text = tag.name,
           .at = {middle, outward * kNameClear},
@@ -219,7 +219,7 @@ double coarsest_plan_scale(const Survey& survey, const PlanLegibility& least) {
   const double by_plates =
       least.plate > 0 ? survey.tag_template.plate_length / least.plate : by_names;
   const double by_walls = least_width(survey.tunnel) / kLeastDrive;
-  // round_scale goes to the next coarser one; the one before it is wanted.
+  // round_scale goes to the next coarser one; the one before it is needed.
   const double most = std::min({by_names, by_plates, by_walls});
   double scale = round_scale(most / 2.6);
   while (round_scale(scale * 1.01) <= most) scale = round_scale(scale * 1.01);

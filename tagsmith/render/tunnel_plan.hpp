@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tunnel and its tags seen from above: the base that plans, run drawings and maps draw on.
+// The tunnel and its tags seen from above: the base of plans, run drawings and maps.
 #pragma once
 
 #include <vector>
@@ -21,14 +21,14 @@ struct PlanStrip {
   Eigen::Isometry2d view_from_world = Eigen::Isometry2d::Identity();
 };
 
-// What has to be readable of a plan, metres on paper.
+// The sizes at which a plan can be read, metres on paper.
 struct PlanLegibility {
   double name_pitch = 0.0030;  // from tag to tag of a wall
   double plate = 0;            // length of a plate
 };
 
-// The least scale (its denominator) at which the tags' names do not run into each other and the
-// walls can be told apart.
+// The least scale (its denominator) at which the tags' names do not overlap and the walls can be
+// distinguished.
 double coarsest_plan_scale(const Survey& survey, const PlanLegibility& least = {});
 
 inline constexpr int kMostStrips = 400;
@@ -36,9 +36,9 @@ inline constexpr int kMostStrips = 400;
 // The strip between two chainages.
 PlanStrip plan_strip(const Survey& survey, double from, double to);
 
-// The tunnel, and its ends beyond where tags hang there, in as few strips as can be read: one when
-// it fits the paper at coarsest_plan_scale or better, else pieces of a sheet's width that end at
-// round chainages; at most kMostStrips, which makes a very long tunnel's scale less.
+// The tunnel, and its ends beyond where tags hang there, in as few readable strips as possible: one
+// when it fits the paper at coarsest_plan_scale or better, else pieces of a sheet's width that end
+// at round chainages; at most kMostStrips, which makes a very long tunnel's scale less.
 std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper = Paper::a3,
                                    const PlanLegibility& least = {});
 
@@ -59,8 +59,8 @@ double plate_middle(const TagTemplate& tag);
 // The grid's axes as the strip's view shows them.
 ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip);
 
-// The strip's plan as a view of a drawing, titled with its chainages. Who draws more onto it adds
-// to its sketch, with points as strip.view_from_world has them.
+// The strip's plan as a view of a drawing, titled with its chainages. Functions that draw more onto
+// it add to its sketch, with points as given by strip.view_from_world.
 DrawingView plan_view(const Survey& survey, const PlanStrip& strip);
 
 }  // namespace tagsmith::detail

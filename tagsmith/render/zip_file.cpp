@@ -18,7 +18,7 @@ constexpr std::uint16_t kVersion = 20;              // 2.0: deflate
 constexpr std::uint16_t kUtf8Names = 1U << 11U;
 constexpr std::uint16_t kDeflated = 8;
 constexpr std::uint32_t kNoTime = (1U << 5U | 1U)
-                                  << 16U;  // 1 January 1980, as early as can be said
+                                  << 16U;  // 1 January 1980, the earliest possible date
 
 // Little-endian numbers.
 class Bytes {
@@ -58,7 +58,7 @@ std::optional<std::string> raw_deflated(const std::string& bytes) {
   return status == Z_STREAM_END ? std::optional(std::move(result)) : std::nullopt;
 }
 
-// What a file's own head and its line in the directory share.
+// The part that a file's own head and its line in the directory share.
 std::string description(const std::string& name, const std::string& bytes, std::size_t packed) {
   const auto sum = crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()),
                          static_cast<uInt>(bytes.size()));
