@@ -16,7 +16,7 @@ bool same_but_for_quotes(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, plain, plain);
 }
 
-// Replaces what the remedy names in the line; false when something else stands there.
+// Replaces the text that the remedy names in the line; false when another text is there.
 bool apply(const Diagnostic& diagnostic, std::string& line) {
   const auto column = static_cast<std::size_t>(diagnostic.column) - 1;
   const TextEdit& fix = *diagnostic.fix;
@@ -33,7 +33,7 @@ FixedText apply_fixes(const std::string& text, std::vector<Diagnostic> diagnosti
   std::erase_if(diagnostics, [](const Diagnostic& diagnostic) {
     return !diagnostic.fix || diagnostic.line <= 0 || diagnostic.column <= 0;
   });
-  // From the end of a line to its beginning, so that columns stay what they are.
+  // From the end of a line to its beginning, so that columns stay valid.
   std::ranges::sort(diagnostics, [](const Diagnostic& a, const Diagnostic& b) {
     return std::pair(a.line, -a.column) < std::pair(b.line, -b.column);
   });

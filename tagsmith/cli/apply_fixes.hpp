@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mechanical remedies written into a file; everything else in it, comments included, stays.
+// Mechanical remedies applied to a file; everything else in it, comments included, stays.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace tagsmith::detail {
 // A line that a remedy changed.
 struct FixedLine {
   int line = 0;
-  std::vector<std::string> codes;  // of the findings that it mends
+  std::vector<std::string> codes;  // of the findings that it removes
   std::string before;
   std::string after;
 };
@@ -23,11 +23,11 @@ struct FixedText {
   std::vector<FixedLine> lines;
 };
 
-// The text with the remedies of these findings, all of one file. A remedy whose text does not stand
+// The text with the remedies of these findings, all of one file. A remedy whose text is not found
 // at its place is left out.
 FixedText apply_fixes(const std::string& text, std::vector<Diagnostic> diagnostics);
 
-// The same for a file, which is replaced as a whole when there is something to mend.
+// The same for a file, which is replaced as a whole when a remedy applies.
 Result<std::vector<FixedLine>> fix_file(const std::string& path,
                                         const std::vector<Diagnostic>& diagnostics);
 

@@ -41,7 +41,7 @@ fs::path board_file_of(const BoardOptions& options) {
   return fs::path(options.output).replace_extension(".yaml");
 }
 
-// Papers lie across, as the pictures of most cameras do; a plate lies as it was said.
+// Papers are in landscape, like the pictures of most cameras; a plate has the stated orientation.
 Result<PrintPaper> sheet_of(const BoardOptions& options) {
   if (!options.plate.empty()) return parse_print_plate(options.plate);
   Result<PrintPaper> paper = parse_print_paper(options.paper.empty() ? "A4" : options.paper);
@@ -94,8 +94,8 @@ Result<std::string> render(const Page& page, const BoardOptions& options) {
   return std::move(files->front().bytes);
 }
 
-// Whether the board's file must be written. One of the same board stays: it may say what was
-// measured. Fails when another file stands in its place.
+// Whether the board's file must be written. One of the same board stays: it may contain
+// measurements. Fails when another file is in its place.
 Result<bool> needs_board_file(const fs::path& file, const std::string& text) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command of the program is: its options and their help, as data. The parser
-// (parse_command.hpp), the help and the man page (command_help.hpp) and the completion at the
-// prompt (completion.hpp) are made of the same data.
+// A command of the program: its options and their help, as data. The parser (parse_command.hpp),
+// the help and the man page (command_help.hpp) and the completion at the prompt (completion.hpp)
+// all use the same data.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@
 namespace tagsmith::detail {
 
 // Exit codes of the program.
-inline constexpr int kExitOk = 0;        // all well
+inline constexpr int kExitOk = 0;        // nothing is wrong
 inline constexpr int kExitFindings = 1;  // the work was done and found faults
 inline constexpr int kExitFailure = 2;   // wrong use or unreadable input; nothing was written
 
-// What a value names: decides what the prompt offers to complete it.
+// What a value names: determines what the prompt offers to complete it.
 enum class ValueKind {
   text,
   survey,
@@ -35,7 +35,7 @@ enum class ValueKind {
   folder
 };
 
-// Where a value goes. A bool is a flag; a vector takes any number of values.
+// The variable that receives a value. A bool is a flag; a vector takes any number of values.
 using ValueTarget =
     std::variant<bool*, int*, std::uint64_t*, double*, std::string*, std::filesystem::path*,
                  std::optional<double>*, std::vector<std::string>*,
@@ -68,8 +68,8 @@ struct CommandOption {
   std::vector<std::string> all_names() const;  // {"-o", "--output"}
 };
 
-// A subcommand, and what runs when it was chosen: `run` returns the exit code, or what kept it from
-// its work, which the program reports.
+// A subcommand, and the function that runs it: `run` returns the exit code, or the error that
+// prevented the work, which the program reports.
 struct Command {
   std::string name;
   std::string summary;

@@ -14,7 +14,8 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
-// The same for all names of one file that exists: device and inode. Empty when it does not.
+// A key that is the same for all names of an existing file: device and inode. Empty if it does not
+// exist.
 std::string identity_of(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {};
@@ -26,7 +27,7 @@ fs::path folder_of(const fs::path& file) {
   return folder.empty() ? fs::path(".") : folder;
 }
 
-// Of a file that is not there its name without detours.
+// For a file that does not exist: its path without detours.
 std::string identity_or_name(const fs::path& path) {
   std::string identity = identity_of(path);
   if (!identity.empty()) return identity;
@@ -90,7 +91,7 @@ Result<void> CommandFiles::check_no_input(const fs::path& output, const std::str
                           role, output.string(), input->second.role, input->second.path.string()));
 }
 
-// By making a file's place there, and removing it.
+// By creating a file in its place, and removing it.
 Result<void> CommandFiles::check_folders() const {
   std::set<fs::path> checked;
   std::error_code ignored;

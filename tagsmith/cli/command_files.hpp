@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command reads and writes: no output is an input or another output.
+// The files that a command reads and writes: no output is an input or another output.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@
 
 namespace tagsmith::detail {
 
-// Gathers the files of one command, each with the role that it has there, in the words of messages:
-// "the survey", "--html". Empty paths are options that were not given.
+// Collects the files of one command, each with its role there, in the words of messages: "the
+// survey", "--html". Empty paths are options that were not given.
 class CommandFiles {
  public:
   void reads(const std::filesystem::path& path, const std::string& role);
@@ -32,10 +32,10 @@ class CommandFiles {
   void writes_into(const std::filesystem::path& folder, const std::string& role);
 
   // Fails when an output is an input, or another output, by whatever links; when it is a folder;
-  // and when no file can be made in its folder. Streams are in nobody's way.
+  // and when no file can be created in its folder. Streams never conflict.
   Result<void> check() const;
 
-  // Fails when the file is an input: for outputs whose names come with the work.
+  // Fails when the file is an input: for outputs whose names become known during the work.
   Result<void> check_no_input(const std::filesystem::path& output, const std::string& role) const;
 
  private:
@@ -50,8 +50,8 @@ class CommandFiles {
   std::vector<NamedFile> folders_;
 };
 
-// Writes the files, those of one folder together or not at all. Links stay, and streams are written
-// to, as by write_file.
+// Writes the files, those of one folder together or not at all. Links are kept, and streams are
+// written as by write_file.
 Result<void> publish_files(const std::vector<SheetFile>& files);
 
 }  // namespace tagsmith::detail

@@ -129,7 +129,7 @@ std::string usage(const Command& command) {
   return text;
 }
 
-// Text of a man page: backslashes and dashes kept, no line taken for a request.
+// Text of a man page: backslashes and dashes kept, and no line that is read as a request.
 std::string roff(const std::string& text) {
   std::string result;
   for (const char c : text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program says of its commands: help for the terminal, and man pages.
+// The program's description of its commands: help for the terminal, and man pages.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace tagsmith::detail {
 inline constexpr const char* kProgramSummary =
     "position tags for mine tunnels, from the survey to the vehicle's position";
 
-// Columns of the terminal that standard output goes to; else those that COLUMNS says, else 100.
+// Columns of the terminal of standard output; otherwise the value of COLUMNS, otherwise 100.
 std::size_t terminal_columns();
 
 // The help of one command, at most this many columns wide where words allow it.

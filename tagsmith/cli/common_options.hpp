@@ -36,8 +36,8 @@ CommandOption odd(CommandOption option);
 CommandOption needing(const std::vector<std::string>& others, CommandOption option);
 CommandOption excluding(const std::vector<std::string>& others, CommandOption option);
 
-// --jobs of a command that works on several things at once; `what` says on which. 0 means as many
-// as there are cores.
+// --jobs of a command that works on several items at once; `what` names them. 0 means as many as
+// there are cores.
 CommandOption jobs_option(int& jobs, const std::string& what);
 
 // --json.

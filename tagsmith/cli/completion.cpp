@@ -54,7 +54,7 @@ std::vector<std::string> extensions_of(ValueKind kind) {
   }
 }
 
-// Files of the kind and folders, as they go on from `typed`.
+// Files of the kind and folders whose names begin with `typed`.
 std::vector<std::string> files_for(ValueKind kind, const std::string& typed) {
   const std::vector<std::string> extensions = extensions_of(kind);
   const std::string folder = typed.substr(0, typed.rfind('/') + 1);
@@ -95,7 +95,7 @@ std::vector<std::string> that_start_with(const std::string& typed, std::vector<s
   return all;
 }
 
-// The values of an option. Of several by commas only the last is open.
+// The values of an option. Of several separated by commas only the last is incomplete.
 std::vector<std::string> values_for(const CommandOption& option, const std::string& typed,
                                     const std::vector<std::string>& words) {
   const std::size_t before = option.by_commas ? typed.rfind(',') + 1 : 0;

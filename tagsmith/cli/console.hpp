@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one way to standard output and standard error: what is shown cannot move the cursor, change
-// colours or pretend to be another line. tests/house keeps every other way shut.
+// The only way to standard output and standard error: shown text cannot move the cursor, change
+// colours or imitate another line. tests/house prevents every other way.
 #pragma once
 
 #include <cstdio>
@@ -16,13 +16,13 @@
 
 namespace tagsmith::detail {
 
-// Text of which the line feeds are meant: tables, several findings. Whatever in it comes from
-// outside must be on one line already.
+// Text with intended line feeds: tables, several findings. Everything in it that comes from outside
+// must already be on one line.
 struct Lines {
   std::string text;
 };
 
-// A value as it may be shown: numbers as they are, all else by terminal_text.
+// A value in the form in which it may be shown: numbers unchanged, all else by terminal_text.
 template <class Value>
 auto shown(const Value& value) {
   if constexpr (std::is_arithmetic_v<Value>) {
@@ -61,8 +61,8 @@ inline void bytes_to_stdout(const std::string& bytes) {
   std::fwrite(bytes.data(), 1, bytes.size(), stdout);
 }
 
-// Keeps what libraries write to std::cerr from the user, as OpenCV does of files it cannot decode:
-// the program says itself what is wrong with them.
+// Hides from the user what libraries write to std::cerr, as OpenCV does for files it cannot decode:
+// the program itself reports their errors.
 inline void mute_libraries() { std::cerr.setstate(std::ios_base::badbit); }
 
 }  // namespace tagsmith::detail

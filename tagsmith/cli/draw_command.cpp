@@ -29,7 +29,7 @@ struct DrawOptions {
   std::string paper = "a3";
 };
 
-// The files of the drawing are named when its sheets are counted, and written last.
+// The files of the drawing are named when its sheets have been counted, and written last.
 Result<void> check_files(const std::vector<Survey>& surveys, const std::optional<Rig>& rig,
                          const std::vector<SheetFile>& drawing) {
   CommandFiles files;

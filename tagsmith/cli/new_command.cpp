@@ -41,7 +41,7 @@ struct NewOptions {
   std::string name;
   std::string points;
   PointListOptions list;
-  // Empty: what the list says, else what the help says.
+  // Empty: the value from the list, or else from the help.
   std::string template_name;
   std::string x_axis;
   std::string check_digit;
@@ -119,7 +119,7 @@ Result<void> write_to_edit(const NewOptions& options) {
 
 Result<TagTemplate> named_template(const std::string& name, const fs::path& folder) {
   const bool is_file = name.find('/') != std::string::npos || name.ends_with(".yaml");
-  // The folder is yet to be made: a way out of it is none on disk.
+  // The folder does not exist yet: a path out of it leads nowhere on disk.
   const auto path = is_file ? find_template((folder / name).lexically_normal().string(), {})
                             : find_template(name, folder);
   if (!path) return fail("no template `" + name + "`; own templates: " + own_templates());
@@ -155,7 +155,7 @@ std::string template_of(const NewOptions& options, const PointList& list) {
   return list.survey ? list.survey->tag_template : "tag-400x300";
 }
 
-// Another plate may have the name that the list says.
+// Another plate may have the name that the list states.
 Result<void> check_template(const PointList& list, const TagTemplate& tag) {
   constexpr double kSame = 1e-6;
   if (!list.survey) return {};
@@ -178,7 +178,7 @@ Result<void> check_template(const PointList& list, const TagTemplate& tag) {
       ": give the file of the list's own, --template FILE.yaml, as seen from the new folder");
 }
 
-// Options may not say what the list says otherwise.
+// Options must not contradict the list.
 Result<void> check_options(const NewOptions& options, const PointList& list) {
   struct Said {
     const char* option;
@@ -210,7 +210,7 @@ Result<void> check_options(const NewOptions& options, const PointList& list) {
   return {};
 }
 
-// What is wrong with single points is said before a fit that would only suffer from it.
+// Faults of single points are reported before a fit that they would only disturb.
 Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>& warnings) {
   Result<Diagnosed<PointList>> reading = read_point_list(options.points, options.list);
   if (!reading) return tl::unexpected(reading.error());
@@ -234,7 +234,7 @@ Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>
   return std::move(list);
 }
 
-// As the option says, else as all digits of the list have it.
+// As the option states, else as all digits of the list have it.
 CheckDigit check_digit_of(const NewOptions& options, const std::vector<SurveyedPoint>& points) {
   if (const auto asked = parse_check_digit(options.check_digit)) return *asked;
   const bool is_sum10 = std::ranges::all_of(points, [](const SurveyedPoint& point) {
@@ -285,8 +285,8 @@ Result<std::vector<DraftPart>> parts_of(const NewOptions& options, const SurveyD
   return whole;
 }
 
-// Walls beside a center line are as far apart as was asked for, whatever was fitted through points
-// on them.
+// Walls beside a center line have the requested distance, whatever was fitted through points on
+// them.
 void hold_width(Tunnel& tunnel, double width) {
   if (!tunnel.left.is_constant() || !tunnel.right.is_constant()) return;
   const Tunnel wished = plain_tunnel(width, 0, tunnel.centerline);
@@ -440,7 +440,7 @@ void print_parts(const Drafted& drafted) {
   }
 }
 
-// A code too coarse for what is surveyed is said, not only chosen.
+// A code that is too coarse for the survey's accuracy is reported, not only chosen.
 void report_resolution(const SurveyDraft& draft) {
   constexpr double kUsual = 0.01;
   const double resolution = draft.code.resolution[0];
@@ -451,7 +451,7 @@ void report_resolution(const SurveyDraft& draft) {
       format_number(resolution), format_number(kUsual));
 }
 
-// What validate says of the file that was written: findings, then how many. Exit code.
+// The report of validate on the file that was written: findings, then their number. Exit code.
 Result<int> report_draft(const NewOptions& options, const std::string& name,
                          FindingPrinter& printer) {
   const std::string file = (fs::path(options.name) / name).string();
@@ -468,7 +468,7 @@ Result<int> report_draft(const NewOptions& options, const std::string& name,
   return errors > 0 ? kExitFindings : kExitOk;
 }
 
-// A layout that nobody hung yet is proposed whole or not at all.
+// A layout that nobody has hung yet is proposed whole or not at all.
 Result<void> check_proposal(const NewOptions& options, const std::string& text) {
   const Diagnosed<Survey> reading = read_survey_text(fs::path(options.name) / "survey.yaml", text);
   std::string faults;

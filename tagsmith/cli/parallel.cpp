@@ -25,7 +25,8 @@ void run_in_order(std::size_t count, int jobs, const std::function<Delivery(std:
   namespace tbb = oneapi::tbb;
   const int cores = tbb::info::default_concurrency();
   const auto threads = static_cast<std::size_t>(jobs > 0 ? jobs : cores);
-  // Bounds every thread the libraries below start too; more threads than cores are made when asked.
+  // Also limits the threads that the libraries below start; more threads than cores only on
+  // request.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   std::size_t next = 0;
   tbb::parallel_pipeline(

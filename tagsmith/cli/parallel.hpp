@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many pieces of work at once, their results in order.
+// Many tasks at once, their results in order.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace tagsmith::detail {
 
-// What becomes of a finished piece of work, e.g. printing its result.
+// What is done with a finished task, e.g. printing its result.
 using Delivery = std::function<void()>;
 
 // Calls work(0) ... work(count - 1), up to `jobs` at once (0 = as many as cores the process may
@@ -28,7 +28,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // One more is done. `print` runs with the bar out of the way.
+  // One more is done. `print` runs while the bar is hidden.
   void advance(const std::function<void()>& print);
 
  private:
@@ -43,8 +43,8 @@ class ProgressBar {
   bool drawn_ = false;
 };
 
-// Works as run_in_order does below a bar that counts `what`: deliver(i, result) is given what
-// work(i) returned, with the bar out of the way.
+// Works as run_in_order does below a bar that counts `what`: deliver(i, result) receives what
+// work(i) returned, while the bar is hidden.
 template <class Work, class Deliver>
 void run_below_bar(std::string what, std::size_t count, int jobs, const Work& work,
                    const Deliver& deliver) {

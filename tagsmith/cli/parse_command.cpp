@@ -27,7 +27,7 @@ bool is_whole(const CommandOption& option) {
          std::holds_alternative<std::uint64_t*>(option.target);
 }
 
-// What a number may be without limits of its own.
+// The limits of a number that has no limits of its own.
 constexpr double kGreatest = std::numeric_limits<int>::max();
 
 std::string expected_number(const CommandOption& option) {
@@ -59,7 +59,7 @@ std::string problem_of_value(const CommandOption& option, const std::string& tex
   return fits ? "" : fmt::format("found `{}`, expected {}", text, expected_number(option));
 }
 
-// Puts checked values into the option's target.
+// Stores checked values in the option's target.
 struct Assign {
   const std::vector<std::string>& values;
 
@@ -91,7 +91,7 @@ std::vector<std::string> separated(const CommandOption& option,
   return values;
 }
 
-// Checks and assigns what was given to one option; CLI::ValidationError otherwise.
+// Checks and stores the values of one option; CLI::ValidationError when one is wrong.
 bool take(const CommandOption& option, const std::vector<std::string>& words) {
   if (words.size() > 1 && !option.is_repeatable()) {
     throw CLI::ValidationError(option.all_names().back(), "given twice, it takes one value");
@@ -134,7 +134,7 @@ void add_options(CLI::App& app, const Command& command) {
   }
 }
 
-// The option that was probably meant by a word that is none.
+// The option that was probably meant by an unknown word.
 std::string problem_of_unknown(const Command& command, const std::string& word) {
   if (!word.starts_with('-')) return fmt::format("found `{}`, which no argument takes", word);
   std::vector<std::string> names{"--help"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words of a command line, taken apart by CLI11: the one place that knows that library.
+// Words of a command line, parsed by CLI11: only this code uses that library.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace tagsmith::detail {
 
 enum class Asked { run, help };
 
-// Puts the arguments of the command into the targets of its options. An error names the option,
+// Stores the arguments of the command in the targets of its options. An error names the option,
 // what was found and what was expected, and the option that was probably meant.
 Result<Asked> parse_command(const Command& command, const std::vector<std::string>& arguments);
 

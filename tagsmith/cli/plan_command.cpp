@@ -39,7 +39,7 @@
 
 namespace tagsmith::detail {
 
-// ---- A better layout: looking for it and writing it down.
+// ---- A better layout: the search for it, and writing it to files.
 
 namespace {
 
@@ -49,15 +49,14 @@ struct OptimiseOptions {
   std::vector<std::string> vary{"height", "plate", "stagger", "alpha"};
 };
 
-// A file that the chosen layout makes: the survey, the rig where alpha changed, and the template
-// where it is not one of the tool's own.
+// A file of the chosen layout: the survey, the rig where alpha changed, and the template where it
+// is not one of the tool's own.
 struct LayoutFile {
   std::string name;
   std::string bytes;
 };
 
-// The chosen layout as files, with what was read back from them: what is planned next is what was
-// written.
+// The chosen layout as files, read back from them: the next plan uses what was written.
 struct OptimisedDrive {
   Optimisation optimisation;
   std::vector<LayoutFile> files;
@@ -122,7 +121,7 @@ std::vector<YamlEdit> survey_edits(const Survey& survey, const Layout& layout,
   return edits;
 }
 
-// `alpha` says that a camera is level; one that is not keeps its pitch and roll beside a new yaw.
+// `alpha` makes a camera level; one that is not level keeps its pitch and roll beside a new yaw.
 bool is_level(const RigCamera& camera) {
   const Eigen::Matrix3d& rotation = camera.vehicle_from_camera.rotation;
   constexpr double kRounding = 1e-9;
@@ -210,7 +209,7 @@ std::string row(const LayoutReport& report, const Optimisation& optimisation) {
       report.meets ? "met" : fmt::format("{:.1f} %", 100 * report.met_share));
 }
 
-// A line for each; a freedom that brings nothing is said to.
+// A line for each; a freedom without effect is reported as such.
 std::string table(const Optimisation& optimisation) {
   std::string text = fmt::format("  {:<20}{:>5}{:>9}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>13}{:>13}\n",
                                  "what varies", "tags", "area, m2", "spacing", "height", "plate",
@@ -275,7 +274,7 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
   return drive;
 }
 
-// What was tried of each freedom, and what never is.
+// What was tried of each freedom, and what is never tried.
 std::string limits_text(const OptimiseOptions& options, bool alpha_can_vary) {
   const auto varies = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
   std::string text = "\ntried       spacing from 0.05 to 20 m in steps of 0.05 m\n";
@@ -337,14 +336,14 @@ struct PlanCommandOptions {
   bool json = false;
 };
 
-// What is planned: the files as given, or the better layout of them.
+// The plan's input: the files as given, or the better layout of them.
 struct Subject {
   Survey survey;
   Rig rig;
   std::optional<OptimisedDrive> better;
 };
 
-// The files that are known before the plan is: a drawing of several sheets has more.
+// The files whose names are known before the plan: a drawing of several sheets has more.
 CommandFiles files_of(const PlanCommandOptions& options, const Survey& survey, const Rig& rig) {
   CommandFiles files;
   files.reads(survey);
@@ -390,7 +389,7 @@ std::string as_text(const PlannedDrive& drive, const Subject& subject,
          "\nThe chosen layout, planned again from its files, meets the requirement:\n" + report;
 }
 
-// What --optimise claims, by the plan of the files that it writes.
+// The claims of --optimise, by the plan of the files that it writes.
 Result<void> check_claim(const DrivePlan& plan, const Subject& subject,
                          const PlanCommandOptions& options) {
   if (!subject.better) return {};

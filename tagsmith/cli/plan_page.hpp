@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan as one web page that needs nothing else: answers, map and profile.
+// A plan as one web page without further files: answers, map and profile.
 #pragma once
 
 #include <string>

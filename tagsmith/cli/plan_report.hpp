@@ -12,7 +12,7 @@
 
 namespace tagsmith::detail {
 
-// A plan with what it is of.
+// A plan and its input.
 struct PlannedDrive {
   const Survey& survey;
   const Rig& rig;
@@ -20,7 +20,7 @@ struct PlannedDrive {
   const PlanSummary& summary;
 };
 
-// A finding: what is asked, what the plan answers.
+// A finding: the requirement, and the plan's answer.
 struct PlanAnswer {
   std::string question;
   std::string answer;

@@ -44,7 +44,7 @@ struct PrintOptions {
   bool no_setting_out = false;
   bool proof = false;
   bool json = false;
-  PrintStyle style;  // what the options above leave open
+  PrintStyle style;  // the choices that the options above leave open
 
   bool has(const char* format) const { return std::ranges::count(formats, format) > 0; }
 };
@@ -57,8 +57,8 @@ Error unknown_tag(const Survey& survey, const std::string& option, const std::st
                       meant ? ", did you mean " + *meant + "?" : "")};
 }
 
-// What --only or --tags ask for, of tags that the survey has; neither = nothing, and all is
-// printed.
+// The tags that --only or --tags select, all of the survey; without these options nothing, and all
+// are printed.
 Result<TagsToPrint> wanted_tags(const Survey& survey, const PrintOptions& options) {
   const bool listed = !options.only.empty();
   Result<TagsToPrint> list =
@@ -165,7 +165,7 @@ bool is_drilled_label(const TagDrawing& drawing) {
   });
 }
 
-// What a label does not say that it should; empty when nothing.
+// The text that a label should have and does not; empty when nothing is missing.
 std::string missing_on_label(const PrintJob& job, const PlacedTag& tag) {
   const TagDrawing drawing = printed_drawing(job, tag);
   const std::vector<TextItem>& label = drawing.label;
@@ -189,7 +189,7 @@ std::string missing_on_label(const PrintJob& job, const PlacedTag& tag) {
                      tag.name, job.printed.name);
 }
 
-// Of the first label that lacks something.
+// Of the first label in which something is missing.
 std::string missing_on_labels(const PrintJob& job) {
   constexpr std::size_t kMostTags = 200;  // further ones are as long
   std::size_t seen = 0;
@@ -202,7 +202,7 @@ std::string missing_on_labels(const PrintJob& job) {
   return {};
 }
 
-// What the files lack, or readers must know, through no fault of the survey; on standard error.
+// What files or readers must take into account, through no fault of the survey; on standard error.
 void warn(const PrintJob& job) {
   const auto say = [](const std::string& text) {
     to_stderr("tagsmith print: warning: {}\n", text);

@@ -43,7 +43,7 @@ Error paper_too_small(const TagTemplate& tag, const Rectangle& plate, const Prin
   return {text};
 }
 
-// The printer's dots, when it was said how many it has.
+// The printer's dots, when their number is stated.
 Result<void> draw_on_dots(PrintJob& job) {
   const int dots_per_inch = job.style.dots_per_inch;
   if (dots_per_inch == 0) return {};
@@ -75,7 +75,7 @@ Result<void> check_bar_adjustment(const PrintJob& job) {
                   format_number(std::floor(most * 1e5) / 100), kMost, job.printed.name));
 }
 
-// Loads the logo, and finds out whether each tag's QR symbol can be printed.
+// Loads the logo, and checks whether each tag's QR symbol can be printed.
 Result<void> plan_plate_parts(PrintJob& job, const std::vector<const PlacedTag*>& tags) {
   const TagDrawing drawing = draw_tag(job.printed, Digits{});
   if (drawing.logo) {
@@ -163,7 +163,7 @@ bool in_one_pdf(const PrintJob& job, SheetFormat format) {
   return job.style.single && format == SheetFormat::pdf;
 }
 
-// As a PDF has it, for a printer that scales.
+// As PDF states it, for a printer that scales.
 Sheet pdf_sheet(const PrintJob& job, const Page& page) {
   const PrinterScale scale = job.printer_scale();
   Sheet sheet = sheet_of(page);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one run of `print` makes: which pages, in which files.
+// The work of one run of `print`: which pages, in which files.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +29,7 @@ struct PrintStyle {
   bool single = false;        // all pages in one PDF, tags.pdf
   int dots_per_inch = 0;      // edges stand on whole dots of this printer; 0 = of the template's
   double bar_adjustment = 0;  // metres added to the width of every bar; negative = less
-  std::optional<PrinterProfile> printer{};  // its scale is taken out of PDF files
+  std::optional<PrinterProfile> printer{};  // its scale is corrected in PDF files
   std::optional<OutputIntent> intent{};     // of PDF/X-4; none = no PDF/X
   bool outline_text = false;                // in PDF files
   double bleed = 0.003;                     // metres
@@ -37,11 +37,11 @@ struct PrintStyle {
   bool tiled = false;                       // plates in pieces on several sheets of the paper
   double overlap = 0.010;                   // of neighbouring tiles, metres
   std::string revision{};       // of the survey, for labels and files; empty = none is shown
-  bool setting_out = true;      // the installer's list, table and drawing go along
-  bool order = false;           // the sign maker's order sheet and cut files go along
+  bool setting_out = true;      // with the installer's list, table and drawing
+  bool order = false;           // with the sign maker's order sheet and cut files
   std::filesystem::path zip{};  // all of it in one file as well; empty = none
   Paper setting_out_paper = Paper::a3;
-  std::set<std::string> moved{};  // tags that go into that list though they are not printed
+  std::set<std::string> moved{};  // tags that belong in that list although they are not printed
   double tolerance = 0;           // of a plate's place in that list, metres; 0 = usual_tolerance
   bool northing_first = false;    // y before x in that list (PNEZD instead of PENZD)
   ProvePages prove{};             // none = no proof
@@ -49,7 +49,7 @@ struct PrintStyle {
 };
 
 // PNG files have the printer's resolution, or this one where none is stated; so do proofs, and P
-// stands on its dots.
+// lies on its dots.
 inline constexpr int kUsualDotsPerInch = 300;
 
 inline constexpr const char* kSinglePdf = "tags.pdf";
@@ -66,7 +66,7 @@ struct PrintJob {
   PrintStyle style;
   TagTemplate printed;   // the survey's template as it is drawn on the printer's dots
   LogoDrawing logo;      // at the origin; without outlines where the template has none
-  std::string rounding;  // what that changed, for people; empty = nothing
+  std::string rounding;  // the changes by that, for people; empty = none
   std::optional<NestPlan> nest;
   std::optional<RollUse> roll;  // of all pages on a roll
   std::optional<TilePlan> tiles;
@@ -88,13 +88,13 @@ struct PrintJob {
 };
 
 // Fails without tags, to print or to move, on names that cannot be files' names, and on a paper
-// that cannot carry a plate; the message then says what could. The job keeps pointers into the
+// that cannot hold a plate; the message then names papers that can. The job keeps pointers into the
 // survey.
 Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
                             const PrintStyle& style);
 
-// The unit's pages as they are printed, and as they look when the ink has grown by what the bars'
-// adjustment takes away: the same but for the edges of bars and frame.
+// The unit's pages as they are printed, and as they look when the ink has grown by the bars'
+// adjustment: the same except for the edges of bars and frame.
 std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit);
 std::vector<Page> nominal_pages(const PrintJob& job, const PrintUnit& unit);
 

@@ -15,7 +15,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// What a line asks for; a line that cannot be understood has no name.
+// What a line requests; a line that cannot be understood has no name.
 struct Wanted {
   std::string name;
   bool print = true;

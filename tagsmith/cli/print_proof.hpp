@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The proof of a print: its files, drawn as pixels and read as a camera would. The reader stands in
-// another layer; who puts the program together hands it over.
+// The proof of a print: its files, drawn as pixels and read as a camera would. The reader belongs
+// to another layer; the program that combines both passes it in.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ struct ProofPage {
   int number = 0;  // of the page in a PDF, from 1; 0 in a picture
   const Page* page = nullptr;
   double bar_adjustment = 0;  // metres by which bars and strokes are drawn bolder than laid out
-  PrinterScale scale{};       // with which the file comes out as the page was laid out
+  PrinterScale scale{};       // with which the file has the size of the page as laid out
 };
 
 // One tag in the files of one format.
@@ -31,7 +31,7 @@ struct TagProof {
   std::string file;          // name of the first file that shows it
   double dots_per_inch = 0;  // at which it was drawn
   std::string digits;        // as read; empty when it was not
-  double length_error = 0;   // of the feature frame inside, found less expected, metres
+  double length_error = 0;   // of the feature frame inside, found minus expected, metres
   double height_error = 0;
   double corner_error = 0;  // the farthest of the four inner corners from its place, metres
   std::string zbar{};       // what zbar read; empty when it was not asked

@@ -59,7 +59,7 @@ Json tag_json(const PrintedTag& printed, const std::string& folder) {
           {"files", json_list(printed.files, [&](const auto& file) { return folder + file; })}};
 }
 
-// Where the tiles of a plate belong: tile (column, row) shows its window of the page `step` further
+// The places of a plate's tiles: tile (column, row) shows its window of the page `step` further
 // right and down for each column and row.
 Json tiles_json(const TilePlan& plan) {
   const Rectangle& window = plan.window;
@@ -90,7 +90,7 @@ Json roll_json(const RollUse& roll) {
           {"waste_percent", std::round(roll.waste() * 1e3) / 10}};
 }
 
-// Micrometres on a metre: finer than paper keeps.
+// Micrometres per metre: finer than the stability of paper.
 Json printer_json(const PrintJob& job) {
   const PrinterScale scale = job.printer_scale();
   return {{"profile", job.style.printer->name},
@@ -154,13 +154,13 @@ std::vector<std::string> fields_of(const Json& item) {
   return fields;
 }
 
-// What becomes of the tags of an earlier print.
+// The changes to the tags of an earlier print.
 struct EarlierTags {
   Json kept = Json::array();           // all of whose files are still there
   std::vector<std::string> gone;       // names of those whose files this print replaces
-  std::vector<std::string> changed;    // files of those that the survey has otherwise now
+  std::vector<std::string> changed;    // files of those that differ in the survey now
   std::vector<std::string> again;      // files of those that this print has, too
-  std::vector<std::string> left_over;  // files that no manifest has any longer
+  std::vector<std::string> left_over;  // files that no manifest lists any longer
 };
 
 void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& folder,
@@ -172,7 +172,7 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
       record.tags, [&](const PrintedTag& printed) { return printed.tag->name == name; });
   std::error_code ignored;
   for (const std::string& file : files) {
-    if (std::filesystem::path(file).filename() != file) return;  // none of this folder
+    if (std::filesystem::path(file).filename() != file) return;  // it is not in this folder
     if (record.sha256.contains(file)) {
       if (!is_printed) tags.gone.push_back(name);
       return;
@@ -195,8 +195,8 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
   tags.kept.push_back(std::move(tag));
 }
 
-// Whether both prints have in common what a manifest says once for all tags.
-// Pages of a roll are as long as their plates; where nothing is printed, there are none.
+// Whether both prints share the values that a manifest states once for all tags. Pages of a roll
+// are as long as their plates; where nothing is printed, there are none.
 bool is_of_one_kind(const PrintJob& job, const Json& earlier, const Json& common) {
   const bool any_page = job.units.empty();
   for (const auto& [key, value] : common.items()) {
@@ -208,7 +208,7 @@ bool is_of_one_kind(const PrintJob& job, const Json& earlier, const Json& common
   return true;
 }
 
-// What the earlier manifest has in common for its tags, for this state of the survey.
+// The values that the earlier manifest states for all its tags, for this state of the survey.
 Json common_of(const Json& earlier, Json common) {
   for (auto& [key, value] : common.items()) {
     if (key != "survey_file" && key != "revision") value = earlier.value(key, Json());
@@ -216,8 +216,7 @@ Json common_of(const Json& earlier, Json common) {
   return common;
 }
 
-// Files of an earlier print that are in no manifest any longer, such as the contours of other
-// pages.
+// Files of an earlier print that no manifest lists any longer, such as the contours of other pages.
 void find_left_over(const Json& earlier, const std::filesystem::path& folder,
                     const PrintRecord& record, EarlierTags& tags) {
   std::error_code ignored;
@@ -323,13 +322,13 @@ void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
     record.kept_tags = json_text(tags.kept);
     record.warnings = warnings_of(tags);
   } catch (const nlohmann::json::exception&) {
-    // It is none of ours, or damaged: verify then names the files that no manifest lists.
+    // It is no manifest, or damaged: verify then names the files that no manifest lists.
     record.kept_sha256.clear();
     record.kept_names.clear();
   }
 }
 
-// ---- What a sign maker gets with the print files.
+// ---- The files for a sign maker beside the print files.
 
 namespace {
 
@@ -434,8 +433,8 @@ Sheet order_sheet(const PrintJob& job, const PrintRecord& record) {
   return sheet;
 }
 
-// Names of the order's files: order.pdf, and a cut file for each page. None in an order that is not
-// asked for; tiles have no cut files, for their plates are larger than a page.
+// Names of the order's files: order.pdf, and a cut file for each page. None if no order is
+// requested; tiles have no cut files, because their plates are larger than a page.
 std::vector<std::string> order_files(const PrintJob& job) {
   if (!job.style.order) return {};
   std::vector<std::string> names{kOrderPdf};
@@ -468,7 +467,7 @@ constexpr const char* kManifestCsv = "manifest.csv";
 
 std::string coordinate(double metres) { return fmt::format("{:.4f}", metres + 0.0); }
 
-// Surveyors' P,E,N,Z,D or P,N,E,Z,D: the header names the columns, so that nobody needs to guess.
+// Surveyors' P,E,N,Z,D or P,N,E,Z,D: the header names the columns.
 std::string setting_out_csv(const Survey& survey, std::span<const SettingOut> list,
                             bool northing_first) {
   const char* plane = northing_first ? "y,x" : "x,y";
@@ -586,7 +585,7 @@ Result<void> publish_with_zip(const PrintJob& job, const std::filesystem::path& 
   Result<StagedFiles> beside = StagedFiles::begin(zip.has_parent_path() ? zip.parent_path() : ".");
   if (!beside) return fail(beside.error().message);
   if (auto written = write_zip(beside->staged(zip.filename()), entries); !written) return written;
-  // The ZIP first: it may be on a full disk, and then the folder stays as it was.
+  // The ZIP first: it may be on a full disk, and then the folder stays unchanged.
   if (auto published = beside->publish(); !published) return published;
   return files.publish();
 }

@@ -15,33 +15,33 @@
 
 namespace tagsmith::detail {
 
-// ---- What was printed: the list that goes to the sign maker and the installer with the files.
+// ---- The list of printed tags, which is sent to the sign maker and the installer with the files.
 
 struct PrintedTag {
   const PlacedTag* tag = nullptr;
   std::vector<std::string> files;  // names in the output folder
 };
 
-// What becomes known while the files are made.
+// Values that become known while the files are made.
 struct PrintRecord {
   std::vector<PrintedTag> tags;
-  std::vector<std::string> documents;           // files that hold no tag to hang
+  std::vector<std::string> documents;           // files without a tag for hanging
   std::map<std::string, std::string> sha256{};  // by file
   std::optional<std::vector<TagProof>> proofs{};
   // JSON list of the tags of earlier prints whose files are still in the folder, and these files.
   std::string kept_tags = "[]";
   std::map<std::string, std::string> kept_sha256{};
-  std::set<std::string> kept_names{};   // of those whose plates are as the survey has them now
+  std::set<std::string> kept_names{};   // of those whose plates are the same in the survey now
   std::vector<std::string> warnings{};  // of files of earlier prints
-  // JSON object of what the kept tags have in common, where nothing else is printed; empty = as
-  // now.
+  // JSON object of the values that the kept tags share, where nothing else is printed; empty = the
+  // present ones.
   std::string common{};
 };
 
-// Takes over what the folder's manifest says of files that this print leaves as they are, so that
+// Keeps the entries of the folder's manifest for files that this print does not change, so that
 // `verify` still knows whether they are stale. Nothing of a manifest of another survey, template,
-// printer or kind of print. Warns of plates that the folder has no longer, as before the survey was
-// changed, or twice.
+// printer or kind of print. Warns of plates that the folder no longer holds, holds in a state
+// before the survey was changed, or holds twice.
 void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
                        PrintRecord& record);
 
@@ -61,8 +61,8 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record);
 // ---- The run.
 
 // Makes everything in the folder, or nothing when something fails. A proof that finds a fault
-// leaves the folder as it was; the record then holds the problems. A progress bar is shown.
-// `files`: what was read for it, which no file of the print replaces.
+// leaves the folder unchanged; the record then holds the problems. A progress bar is shown.
+// `files`: the input files, which no file of the print replaces.
 Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& folder,
                               CommandFiles files);
 

@@ -94,7 +94,7 @@ int answer(const std::vector<Command>& commands, const ProgramVersion& version,
 int run_program(const std::vector<Command>& commands, const ProgramVersion& version,
                 const std::vector<std::string>& arguments) {
   const int exit_code = answer(commands, version, arguments);
-  // Results that never reached standard output are a failure.
+  // Results that did not reach standard output are a failure.
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
   return report_failure(arguments.empty() ? "help" : arguments.front(),
                         {"standard output cannot be written"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the words behind the program's name ask for.
+// What the words behind the program's name request.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace tagsmith::detail {
 
-// What --version tells.
+// What --version prints.
 struct ProgramVersion {
   std::string number;  // 1.0.0
   std::string commit;  // that it was built from; empty = not known

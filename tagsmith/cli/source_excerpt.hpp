@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A finding shown on the text that it is about.
+// A finding together with the text that it is about.
 #pragma once
 
 #include <map>

@@ -33,13 +33,13 @@ struct CleanUps {
   int last_number = 0;
 };
 
-// Never destroyed: the watching thread may look at it until the process is gone.
+// Never destroyed: the watching thread may use it until the process ends.
 CleanUps& clean_ups() {
   static auto* const instance = new CleanUps;
   return *instance;
 }
 
-// A handler may do next to nothing; it hands the signal to the watching thread.
+// A handler may do almost nothing; it passes the signal to the watching thread.
 std::array<int, 2> signal_pipe{-1, -1};
 
 extern "C" void pass_on(int signal) {
@@ -62,7 +62,7 @@ void watch() {
   end_by(signal);
 }
 
-// True when the thread runs and the handlers stand. Done once a process.
+// True when the thread runs and the handlers are installed. Done once a process.
 bool start_watching() {
   if (::pipe2(signal_pipe.data(), O_CLOEXEC) != 0) return false;
   std::thread(watch).detach();
@@ -136,7 +136,7 @@ std::vector<fs::path> files_in(const fs::path& folder, std::error_code& error) {
 }
 
 // The file, or a copy of it beside the target of a link that leads elsewhere: that may be on
-// another file system, which no rename reaches.
+// another file system, to which no file can be renamed.
 Result<fs::path> within_reach(const fs::path& target, const fs::path& file) {
   if (target.parent_path() == file.parent_path().parent_path()) return file;
   std::error_code error;
@@ -171,7 +171,7 @@ Result<Move> move_to(const fs::path& target, const fs::path& staged) {
   return fail(target.string() + ": cannot be written: " + error.message());
 }
 
-// Files whose names stand for streams go into these, and are gone from the set.
+// Files whose names are those of streams are written to these, and removed from the set.
 Result<void> write_streams(const fs::path& folder, const fs::path& staging) {
   std::error_code error;
   for (const fs::path& file : files_in(staging, error)) {
@@ -210,7 +210,7 @@ void remove_abandoned(const fs::path& folder) {
   }
 }
 
-// What stands, and is no folder, where the folder or one that it lies in should be.
+// The file that is in the place of the folder or of one that it lies in.
 std::optional<fs::path> file_in_the_way(fs::path folder) {
   for (; folder.has_relative_path(); folder = folder.parent_path()) {
     std::error_code error;
@@ -228,7 +228,7 @@ void StagedFiles::Made::remove() const {
   for (const fs::path& made : folders) fs::remove(made, ignored);  // only when empty
 }
 
-// Threads that had begun to write a file may still make it, and its folder.
+// Threads that had begun to write a file may still create it, and its folder.
 void StagedFiles::Made::remove_while_written() const {
   constexpr int kAttempts = 5;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -251,7 +251,7 @@ Result<void> StagedFiles::make_folders() {
 
 bool StagedFiles::make_staging() {
   constexpr int kAttempts =
-      10;  // another process may take the folder for abandoned before its lock
+      10;  // another process may treat the folder as abandoned before its lock
   const auto whole = InterruptGuard::hold_off();
   std::error_code ignored;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -268,7 +268,7 @@ bool StagedFiles::make_staging() {
 Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
   StagedFiles files;
   files.folder_ = (folder / "").parent_path();  // without a trailing slash
-  // Before anything is made that an interrupt would leave.
+  // Before anything is created that an interrupt would leave.
   files.guard_ = InterruptGuard([made = files.made_] {
     made->is_interrupted = true;
     made->remove_while_written();
@@ -291,7 +291,7 @@ Result<void> StagedFiles::add(const fs::path& name, std::string_view bytes) cons
 }
 
 Result<void> StagedFiles::publish() {
-  // Before interrupts are held off: a pipe waits for its reader.
+  // Before interrupts are blocked: a pipe waits for its reader.
   if (auto written = write_streams(folder_, made_->staging); !written) return written;
   const auto whole = InterruptGuard::hold_off();
   std::error_code error;

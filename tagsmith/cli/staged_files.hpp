@@ -15,11 +15,11 @@
 
 namespace tagsmith::detail {
 
-// ---- What must be tidied up when the process is told to end.
+// ---- The clean-up when the process receives a signal to end.
 
-// While it lives, SIGINT, SIGTERM and SIGHUP call `clean_up`, on a thread of its own, before they
-// end the process as they would have without. Signals that the process ignores (nohup) stay
-// ignored. Several may live at once.
+// While it exists, SIGINT, SIGTERM and SIGHUP call `clean_up`, on a separate thread, before they
+// end the process as they would have without it. Signals that the process ignores (nohup) stay
+// ignored. Several may exist at once.
 class InterruptGuard {
  public:
   InterruptGuard() = default;  // guards nothing
@@ -33,7 +33,7 @@ class InterruptGuard {
     return *this;
   }
 
-  // While the lock is held no clean-up begins: for what must be done wholly or not at all.
+  // While the lock is held no clean-up begins: for steps that must be done wholly or not at all.
   [[nodiscard]] static std::unique_lock<std::mutex> hold_off();
 
  private:
@@ -42,10 +42,10 @@ class InterruptGuard {
 
 // ---- Files.
 
-// Files gather in a hidden folder inside the target folder; publish() moves them to their names.
-// Without publish(), or when it fails, the destructor leaves the disk as it was before, folders
-// included; so does an interrupt (SIGINT, SIGTERM, SIGHUP). A process that was killed otherwise
-// leaves its hidden folder behind: the next begin() in the same folder removes it.
+// Files are collected in a hidden folder inside the target folder; publish() moves them to their
+// names. Without publish(), or when it fails, the destructor leaves the disk as it was before,
+// folders included; so does an interrupt (SIGINT, SIGTERM, SIGHUP). A process that was killed
+// otherwise leaves its hidden folder behind: the next begin() in the same folder removes it.
 class StagedFiles {
  public:
   // Makes the folder where it is missing. Fails when files cannot be made in it.
@@ -64,17 +64,17 @@ class StagedFiles {
   // `name` is a file name without folders. Several threads may add files of different names.
   Result<void> add(const std::filesystem::path& name, std::string_view bytes) const;
 
-  // Where a file stands until it is published.
+  // The path of a file until it is published.
   std::filesystem::path staged(const std::filesystem::path& name) const {
     return made_->staging / name;
   }
 
-  // Replaces files of the same names. Of a link what it leads to is replaced; what goes to a stream
-  // (is_stream) is written first, and cannot be taken back.
+  // Replaces files of the same names. Of a link the target is replaced; a file that goes to a
+  // stream (is_stream) is written first, and this cannot be undone.
   Result<void> publish();
 
  private:
-  // What an interrupt removes. Changed while interrupts are held off.
+  // The files that an interrupt removes. Changed while interrupts are blocked.
   struct Made {
     std::filesystem::path staging;
     std::vector<std::filesystem::path> folders;  // innermost first

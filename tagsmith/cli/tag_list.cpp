@@ -128,7 +128,7 @@ std::string blob_of(const Json& geometry, std::int32_t srs) {
   return bytes.text();
 }
 
-// x and y of what a layer has: least, then greatest.
+// x and y of a layer's features: least, then greatest.
 std::array<double, 4> extent_of(const GeoLayer& layer) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::array<double, 4> extent{kInfinity, kInfinity, -kInfinity, -kInfinity};
@@ -149,7 +149,7 @@ std::array<double, 4> extent_of(const GeoLayer& layer) {
   return extent;
 }
 
-// The layer's table, and what the standard's tables say of it.
+// The layer's table, and its entries in the standard's tables.
 std::string layer_sql(const GeoLayer& layer, int srs, const std::string& changed) {
   std::string columns;
   for (const GeoColumn& column : layer.columns) {
@@ -201,7 +201,7 @@ bool insert_features(sqlite3* database, const GeoLayer& layer, int srs) {
 
 // The file's bytes. `epsg` 0: the layers are in an undefined Cartesian system. `changed` (a day, as
 // 2026-03-31; empty = unknown, written as 1970-01-01) is the last change of the content, so that
-// one survey always gives one file. Fails when SQLite does, for lack of memory.
+// one survey always gives one file. Fails when SQLite does because memory runs out.
 Result<std::string> geopackage(const std::vector<GeoLayer>& layers, int epsg,
                                const std::string& changed) {
   sqlite3* opened = nullptr;
@@ -281,7 +281,7 @@ Json stations_json(const ChainageProfile& offset) {
   });
 }
 
-// The center line as straight pieces that miss it by at most a millimetre.
+// The center line as straight pieces that are off it by at most a millimetre.
 Json line_json(const Survey& survey) {
   constexpr double kSag = 0.001;
   const Centerline& line = survey.tunnel.centerline;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A survey's tags as other programs read them.
+// A survey's tags in formats for other programs.
 #pragma once
 
 #include <string>

@@ -46,10 +46,10 @@ struct ValidateOptions {
 struct Findings {
   std::vector<Diagnostic> diagnostics;
   std::vector<Error> unreadable;
-  std::vector<std::string> assumed;  // what surveys and rigs leave unsaid of their uncertainty
+  std::vector<std::string> assumed;  // what surveys and rigs do not state of their uncertainty
 };
 
-// Takes over what a reading found; false when the file could not be read at all.
+// Adds the findings of a file; false when the file could not be read at all.
 template <class T>
 bool collect(const Result<Diagnosed<T>>& reading, Findings& findings) {
   if (!reading) {
@@ -61,7 +61,7 @@ bool collect(const Result<Diagnosed<T>>& reading, Findings& findings) {
   return true;
 }
 
-// A logo that is there and cannot be drawn: print would stop at it.
+// A logo that exists and cannot be drawn: print would stop at it.
 void check_logo(const TagTemplate& tag, Findings& findings) {
   std::error_code absent;
   const LogoStyle& logo = tag.logo;
@@ -88,7 +88,7 @@ constexpr const char* kUnseenRemedy =
     "another height of the tag, a larger plate, another alpha, yaw or lens; `tagsmith plan` shows "
     "what the cameras see";
 
-// Why, most likely.
+// The most likely reason.
 std::string unseen_remedy(const Survey& survey, const Rig& rig, const PlacedTag& tag) {
   const bool is_in_room =
       rig.vehicle_height > 0 && rig.vehicle_height < survey.tunnel.height.at(tag.chainage);
@@ -125,7 +125,7 @@ std::vector<Diagnostic> unseen_findings(const Survey& survey, const Rig& rig) {
   return log.sorted();
 }
 
-// Each survey with each rig, less what comments in the survey allow.
+// Each survey with each rig, without the findings that comments in the survey allow.
 void check_sight(const std::vector<Survey>& surveys, const std::vector<Rig>& rigs,
                  Findings& findings) {
   for (const Survey& survey : surveys) {
@@ -185,7 +185,7 @@ int report(const Findings& findings, const ValidateOptions& options) {
     to_stdout("{}",
               Lines{options.json ? json_line(diagnostic) + "\n" : printer.text_of(diagnostic)});
   }
-  std::fflush(stdout);  // findings before what is said about them
+  std::fflush(stdout);  // findings before the summary on them
   for (const Error& error : findings.unreadable) report_failure("validate", error);
   print_assumptions("validate", findings.assumed);
   const auto errors = static_cast<std::size_t>(
@@ -214,7 +214,7 @@ void show(const std::string& file, const FixedLine& line, bool json) {
 }
 
 // Writes the mechanical remedies into the files that were given, and validates again: a remedy may
-// bring to light what the fault hid.
+// reveal what the fault hid.
 Result<Findings> fix_and_validate(const ValidateOptions& options) {
   constexpr int kMostPasses = 5;
   std::vector<std::string> files = options.surveys;
