@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What public values hold, and how they become the modules' own. Internal to decoder/api.
+// The content of public values, and their conversion to the modules' own. Internal to decoder/api.
 #pragma once
 
 #include <string>
@@ -24,10 +24,10 @@
 
 namespace tagsmith {
 
-// Each of the two libraries has its own copy of what makes these; nothing of them is exported.
+// Each of the two libraries has its own copy of the code that makes these; none of it is exported.
 #define TAGSMITH_HIDDEN __attribute__((visibility("hidden")))
 
-// The survey as the modules know it, and what of it callers see.
+// The survey as the modules have it, and the part of it that callers see.
 struct TAGSMITH_HIDDEN Survey::Data {
   explicit Data(detail::Survey survey);
 
@@ -53,7 +53,7 @@ namespace tagsmith::detail {
 // pixels.
 GrayView checked(const ImageView& image);
 
-// Throws on other text than twelve digits; `what` begins the message.
+// Throws on text other than twelve digits; `what` begins the message.
 Digits checked_digits(std::string_view digits, const std::string& what);
 
 // Throws when a number is not finite or not within the limits.
@@ -62,7 +62,7 @@ void check_number(const std::string& name, double value, double least, double gr
 TagTemplate template_from(const PlateTemplate& plate);
 Camera camera_from(const CameraModel& model);
 
-// Throws where they cannot be read together: one name or one code twice, plates of two colours.
+// Throws where they cannot be combined: one name or one code twice, plates of two colours.
 std::vector<Survey> surveys_from(const std::vector<tagsmith::Survey>& surveys);
 
 Corners corners_from(const FrameCorners& corners);

@@ -17,14 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Fails on what is not there, so that callers can tell it from what cannot be read.
+// Fails on a missing file, so that callers can distinguish it from one that cannot be read.
 void require_file(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored)) return;
   throw Error(ErrorCode::file_missing, path.string() + ": there is no such file");
 }
 
-// What a file's reading gives, or an error.
+// The value read from a file, or an error.
 template <class Reading>
 Reading value_of(const fs::path& path, detail::Result<Reading> (*read)(const fs::path&)) {
   require_file(path);
@@ -39,7 +39,7 @@ Value valid(std::optional<Value> value, const std::vector<detail::Diagnostic>& d
   return std::move(*value);
 }
 
-// The first key of a YAML file that stands at the beginning of a line: it says what the file is.
+// The first key of a YAML file at the beginning of a line: it shows what kind of file it is.
 std::string_view first_key(std::string_view text) {
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));

@@ -9,7 +9,7 @@
 namespace tagsmith {
 namespace {
 
-// In a negative, white stands for black, and light and reflectance for what is missing of them.
+// In a negative, white is black, and light and reflectance are what is missing of them.
 std::optional<detail::ReflectanceReferences> references_from(
     const std::optional<ReflectanceReferences>& references, bool of_negative) {
   if (!references) return std::nullopt;

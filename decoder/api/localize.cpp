@@ -34,7 +34,7 @@ void check_ranges(const std::map<std::string, double>& ranges, const detail::Rig
   }
 }
 
-// Refuses what is no covariance: other matrices would make a position of nothing.
+// Refuses a matrix that is no covariance: it would give a position without any information.
 detail::CornerCovariance covariance_from(const SeenTag& tag) {
   if (!tag.covariance) return detail::CornerCovariance::Zero();
   detail::CornerCovariance covariance = detail::eigen_from<8>(*tag.covariance);

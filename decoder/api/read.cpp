@@ -15,7 +15,7 @@ namespace {
 
 using detail::throw_invalid;
 
-// What the interface calls each reason of the reader.
+// The name of each reason of the reader in the interface.
 struct ReasonName {
   detail::RejectionReason reason;
   RefusalReason refusal;
@@ -46,7 +46,7 @@ RefusalReason reason_from(Rejected reason) {
   return std::ranges::find(kReasonNames, reason, &ReasonName::reason)->refusal;
 }
 
-// What a code means: by the survey that has it, else by the code of the paper.
+// The meaning of a code: by the survey that has it, else by the code of the paper.
 struct Meaning {
   Vector3 position{};
   std::string survey;

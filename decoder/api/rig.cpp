@@ -98,7 +98,7 @@ detail::Rig rig_from(const RigDescription& description) {
   check_number("pitch_sigma", description.pitch_sigma, 1e-9, 1);
   detail::Rig rig;
   rig.name = description.name;
-  rig.file = description.name;  // what messages call it
+  rig.file = description.name;  // its name in messages
   for (const RigCamera& camera : description.cameras) rig.cameras.push_back(camera_from(camera));
   for (const RigRange& range : description.ranges) rig.ranges.push_back(range_from(range));
   rig.vehicle_height = description.vehicle_height;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What callers see of a survey and a rig, made once when they are.
+// The parts of a survey and a rig that callers see, made once together with them.
 #include <algorithm>
 #include <iterator>
 #include <utility>

@@ -77,7 +77,7 @@ detail::SourcedTag place(const detail::Survey& survey, const TagPlace& tag) {
   return sourced;
 }
 
-// Everything that a survey file would be refused for.
+// All reasons for which a survey file would be refused.
 void check_tags(const detail::Survey& survey, const std::vector<detail::SourcedTag>& tags) {
   detail::FindingLog log("survey " + survey.name);
   check_code_range(survey, tags, {}, log);
@@ -104,7 +104,7 @@ detail::Survey survey_from(const SurveyDescription& description) {
   if (description.name.empty()) throw_invalid("the survey has no name");
   detail::Survey survey;
   survey.name = description.name;
-  survey.file = description.name;  // what messages call it
+  survey.file = description.name;  // its name in messages
   survey.grid.x_axis_left = description.x_axis_left;
   survey.tunnel = tunnel_from(description, survey.grid);
   survey.tag_template = detail::template_from(description.plate);

@@ -10,8 +10,8 @@
 
 namespace tagsmith {
 
-// A plate's dimensions, metres, as seen by who faces it. The defaults are the plate of the straight
-// corridor of Xu et al. (2017).
+// A plate's dimensions, metres, as seen by a viewer who faces it. The defaults are the plate of the
+// straight corridor of Xu et al. (2017).
 struct PlateTemplate {
   std::string name = "tag-400x300";
   double plate_length = 0.400;
@@ -35,8 +35,8 @@ struct Rectangle {
   double height = 0;
 };
 
-// What is printed, words and arrow apart. On a plate that is white on black, black and white are
-// exchanged.
+// The printed parts, without words and arrow. On a plate that is white on black, black and white
+// are exchanged.
 struct TagDrawing {
   Rectangle plate;              // white
   Rectangle frame_outer;        // black between this and the inner rectangle
@@ -46,7 +46,7 @@ struct TagDrawing {
 };
 
 // Fails with ErrorCode::invalid_argument when `digits` are not twelve, and when the plate's
-// dimensions leave no room for the bars or for the frame.
+// dimensions leave no space for the bars or for the frame.
 TAGSMITH_EXPORT TagDrawing draw_tag(const PlateTemplate& plate, std::string_view digits);
 
 }  // namespace tagsmith

@@ -9,22 +9,22 @@
 
 namespace tagsmith {
 
-// What kind of thing went wrong, for programs; the message is for people.
+// The kind of error, for programs; the message is for people.
 enum class ErrorCode {
-  invalid_argument,  // a value that the function cannot take
+  invalid_argument,  // a value that the function does not accept
   file_missing,      // there is no such file
   unreadable_file,   // a file that cannot be read at all: no rights, a folder, no picture
   invalid_file,      // a survey, rig or template with errors; the message lists them all
   unwritable_file,   // a file that cannot be written
-  failed,            // what was asked for cannot be done with these files and values
+  failed,            // the request cannot be fulfilled with these files and values
 };
 
 // "invalid_argument" and so on.
 TAGSMITH_EXPORT const char* to_string(ErrorCode code) noexcept;
 
-// Thrown by every function that can fail for a reason its caller can mend. The message says where,
-// what was found and what was expected. Whatever else is thrown comes of the standard library,
-// as std::bad_alloc.
+// Thrown by every function that can fail for a reason that its caller can correct. The message says
+// where, what was found and what was expected. Any other exception comes from the standard library,
+// such as std::bad_alloc.
 class TAGSMITH_EXPORT Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message);

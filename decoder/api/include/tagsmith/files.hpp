@@ -27,7 +27,7 @@ struct Image {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> samples;  // row by row without padding
-  std::string warning;                // damage that the decoder made good; empty = none
+  std::string warning;                // damage that the decoder repaired; empty = none
 
   ImageView view() const { return {samples.data(), width, height, width}; }
 };
@@ -39,7 +39,7 @@ TAGSMITH_EXPORT Image load_image(const std::filesystem::path& path);
 
 enum class Severity { error, warning };
 
-// What is wrong or unlikely in a file that people write.
+// A fault or an improbable value in a file that people write.
 struct FileFinding {
   std::string rule;  // docs/rules.md
   Severity severity = Severity::error;
@@ -50,8 +50,8 @@ struct FileFinding {
   std::string remedy;   // may be empty
 };
 
-// All findings on a survey, rig or template, told apart by their first key; none = all is well.
-// Fails with ErrorCode::file_missing or unreadable_file.
+// All findings on a survey, rig or template, which are distinguished by their first key; none =
+// nothing is wrong. Fails with ErrorCode::file_missing or unreadable_file.
 TAGSMITH_EXPORT std::vector<FileFinding> validate(const std::filesystem::path& path);
 
 enum class TagStatus {
@@ -97,10 +97,10 @@ struct VerifyOptions {
   int jobs = 0;                    // files at once; 0 = all cores
 };
 
-// Photos and print files (PDF, SVG, PNG with their manifest) against the survey they should show,
-// in the order of the paths. A file that cannot be read is a finding, not a failure. Fails with
-// ErrorCode::invalid_argument on options out of their range, and on other surveys that share a name
-// or a code with this one or have plates of other colours.
+// Verifies photos and print files (PDF, SVG, PNG with their manifest) against the survey that they
+// should show, in the order of the paths. A file that cannot be read is a finding, not a failure.
+// Fails with ErrorCode::invalid_argument on options out of their range, and on other surveys that
+// share a name or a code with this one or have plates of other colours.
 TAGSMITH_EXPORT std::vector<VerifiedFile> verify(const Survey& survey,
                                                  const std::vector<std::filesystem::path>& paths,
                                                  const VerifyOptions& options = {});

@@ -29,15 +29,15 @@ struct GradeParameter {
 
 struct Grade {
   double grade = 0;       // 4.0 (best) to 0.0, in steps of 0.1
-  std::string worst;      // the parameter that costs most
+  std::string worst;      // the parameter with the lowest grade
   bool absolute = false;  // by references; else parameters that need true reflectances are left out
   std::vector<GradeParameter> parameters;
 };
 
 // Grades the symbol in a feature frame (Tag::corners) of this plate. A camera is no reflectance
-// instrument: a grade blames print and picture together. Fails with ErrorCode::failed where a
-// module has fewer than 4 pixels or the symbol leaves the picture, with
-// ErrorCode::invalid_argument on a view of nothing.
+// instrument: a grade concerns print and picture together. Fails with ErrorCode::failed where a
+// module has fewer than 4 pixels or the symbol leaves the picture, with ErrorCode::invalid_argument
+// on an empty view.
 TAGSMITH_EXPORT Grade grade(const ImageView& image, const Corners& corners,
                             const PlateTemplate& plate = {},
                             const std::optional<ReflectanceReferences>& references = {});

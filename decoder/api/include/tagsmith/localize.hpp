@@ -48,18 +48,18 @@ struct Attitude {
   double roll = 0;     // positive to the right
 };
 
-// A tag seen or a range measured that the position does not rest on.
+// A tag seen or a range measured that is not used for the position.
 struct Dropped {
   std::string name;
   std::string camera;  // that saw the tag; empty for a range
   std::string reason;
 };
 
-// A mistake that nothing in the measurement would reveal, were it made.
+// A mistake that nothing in the measurement would reveal if it were made.
 struct Unchecked {
   std::string kind;   // "plate_place", "lens" and others, as `localize --json` has them
   std::string name;   // of the tag, camera or range; may be empty
-  double metres = 0;  // how far it could move the position at most; 0 of what is always listed
+  double metres = 0;  // how far it could move the position at most; 0 for what is always listed
 };
 
 // The vehicle's centre O at one measurement.
@@ -74,11 +74,11 @@ struct Fix {
   std::vector<std::string> tags;             // used; without a position, seen
   std::vector<std::string> ranges;           // used
   std::vector<Dropped> dropped;              // tags and ranges that contradict the position
-  // How many agree with the position that need not, were one of its plates wrong. With 0 a plate
-  // that hangs elsewhere than surveyed goes unnoticed.
+  // How many agree with the position although one of its plates may be wrong. With 0 a plate that
+  // hangs elsewhere than surveyed is not noticed.
   int confirmations = 0;
   double chi_square = 0;       // weighted residuals squared
-  int degrees_of_freedom = 0;  // expectation of chi_square; 0 = nothing to check it by
+  int degrees_of_freedom = 0;  // expectation of chi_square; 0 = it cannot be checked
   std::vector<Unchecked> unchecked;
   std::vector<std::string> notes;  // what a user of the position should know
 };
@@ -106,10 +106,10 @@ class TAGSMITH_EXPORT Localizer {
   Fix locate(const Measurement& measurement) const;
 
   // The position while the vehicle drives, the same as `tagsmith localize --follow` gives: tags are
-  // looked for where the motion so far lets expect them, which is faster, and a position that
+  // looked for where the motion so far predicts them, which is faster, and a position that
   // contradicts the motion is doubted. Tags that the last measurements show to hang elsewhere than
   // surveyed are set aside from there on, with a note. While the last measurements show that rig or
-  // positions are not to be relied on, a position has a note that says why and no confirmations.
+  // positions cannot be trusted, a position has a note that says why and no confirmations.
   // Measurements come in the order of their times; without a time the motion does not judge one.
   // One thread at a time.
   Fix track(const Measurement& measurement);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A drive before it is driven: which tags are read, and how well the vehicle will know its place.
+// A drive before it is driven: which tags are read, and how accurate the positions will be.
 #pragma once
 
 #include <optional>

@@ -23,13 +23,14 @@ enum class Frameless {
 };
 
 struct ReadOptions {
-  // Only their tags are read, which reaches smaller ones, and readings have names. Empty = any code
-  // of a plate with the layout of Xu et al. (2017).
+  // Only their tags are read, smaller ones too, and readings have names. Empty = any code of a
+  // plate with the layout of Xu et al. (2017).
   std::vector<Survey> surveys;
   // The camera that took the image, of the image's size: corners are then as exact under a lens
   // that bends straight lines as under any other.
   std::optional<CameraModel> camera;
-  // That a tag must have. Absent = that of the surveys where they agree on one, else either.
+  // The check digit that a tag must have. Absent = that of the surveys where they agree on one,
+  // else either.
   std::optional<CheckDigit> check_digit;
   Frameless frameless = Frameless::never;
   // Readings below this confidence are refused; absent = the reader's own borders, at which about
@@ -64,7 +65,7 @@ struct Tag {
   ReadingMethod method = ReadingMethod::frame;
 };
 
-// A symbol without a frame: which tag it is, and roughly where. There is nothing to measure from.
+// A symbol without a frame: which tag it is, and roughly where. It has no corners to measure from.
 struct FramelessTag {
   std::string digits;
   bool sum10_holds = false;
@@ -80,7 +81,7 @@ struct FramelessTag {
 // Why something that looks like a tag was not read.
 enum class RefusalReason {
   frame_fault,     // its outline is no feature frame
-  side_hidden,     // the symbol does not stand in the frame as the plate has it
+  side_hidden,     // the symbol's place in the frame is not that of the plate
   no_guards,       // nothing like guard patterns where they should be
   guard_pattern,   // too little of the guard patterns is explained
   element_widths,  // too little of the bars is explained
@@ -101,7 +102,7 @@ struct Refusal {
   std::string text;       // the reason in words
   bool has_frame = true;  // whether the corners are a frame's, or those of the bars
   Corners corners{};
-  // Of a reason that is one number: what was found and the least or greatest that passes.
+  // For a reason that is one number: what was found and the least or greatest that passes.
   double measured = 0;
   double limit = 0;
 };

@@ -72,7 +72,7 @@ struct RigRange {
   double sigma = 0;  // metres
 };
 
-// How far the vehicle strays from the center line, for plans; its speed also for rolling shutters.
+// How far the vehicle may be off the center line, for plans; its speed also for rolling shutters.
 struct Envelope {
   double lateral = 0;  // metres to either side
   double yaw = 0;      // to either side
@@ -81,7 +81,7 @@ struct Envelope {
   double pitch = 0;
 };
 
-// What a rig is made of.
+// The parts of a rig.
 struct RigDescription {
   std::string name;
   std::vector<RigCamera> cameras;
@@ -104,7 +104,7 @@ class TAGSMITH_EXPORT Rig {
   const std::string& name() const { return description().name; }
   const std::vector<RigCamera>& cameras() const { return description().cameras; }
 
-  // What the parts of the library share; of no use to others.
+  // Shared by the parts of the library; of no use to others.
   struct Data;
   explicit Rig(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
   const Data& data() const { return *data_; }

@@ -60,7 +60,7 @@ struct TagPlace {
   std::optional<double> sigma{};        // metres; absent = the survey's
 };
 
-// What a survey is made of.
+// The parts of a survey.
 struct SurveyDescription {
   std::string name;
   bool x_axis_left = false;  // a grid whose x axis points to the left of +y
@@ -80,8 +80,8 @@ struct SurveyDescription {
 class TAGSMITH_EXPORT Survey {
  public:
   // Fails with ErrorCode::invalid_argument, naming every problem: names that are no pair and side,
-  // positions that the code cannot say, codes that are not unique, plates that overlap or hang off
-  // their wall.
+  // positions that the code cannot represent, codes that are not unique, plates that overlap or
+  // hang off their wall.
   explicit Survey(const SurveyDescription& description);
 
   const std::string& name() const;
@@ -93,7 +93,7 @@ class TAGSMITH_EXPORT Survey {
   // The tag of this name or with these twelve digits; nothing when there is none.
   std::optional<SurveyTag> find(std::string_view name_or_digits) const;
 
-  // What the parts of the library share; of no use to others.
+  // Shared by the parts of the library; of no use to others.
   struct Data;
   explicit Survey(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
   const Data& data() const { return *data_; }
