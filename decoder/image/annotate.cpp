@@ -58,7 +58,7 @@ class Annotator {
     cv::circle(canvas_, corners.front(), 2 * line_px_, colour, cv::FILLED, cv::LINE_AA);
   }
 
-  // Below the mark, above it where there is more room, clear of the labels drawn before.
+  // Below the mark, above it where there is more space, clear of the labels drawn before.
   void label(const PictureMark& mark, const cv::Scalar& colour) {
     const cv::Size size = size_of(mark.words);
     std::vector<cv::Point> corners;
@@ -153,14 +153,14 @@ cv::Mat annotated(const cv::Mat& stored, int orientation, const std::vector<Pict
   return canvas;
 }
 
-// What the bytes begin with says the format.
+// The first bytes show the format.
 std::string extension_for(const std::string& bytes) {
   const bool loses = bytes.starts_with("\xFF\xD8") || bytes.starts_with("RIFF") || is_heif(bytes);
   return loses ? ".jpg" : ".png";
 }
 
-// The pixels as stored, in colour; empty when they cannot be decoded. What the decoders find odd
-// was told when the picture was read, and is not printed once more.
+// The pixels as stored, in colour; empty when they cannot be decoded. Warnings of the decoders were
+// reported when the picture was read, and are not printed again.
 cv::Mat decode_colour(const Codecs& by, const std::string& bytes) {
   const auto copy_of = [](ColourImage& image) {
     return cv::Mat(image.height, image.width, CV_8UC3, image.samples.data()).clone();

@@ -26,7 +26,7 @@ enum Tag : std::uint32_t {
   kFocalLengthIn35mmFilm = 41989,
 };
 
-// A TIFF structure (TIFF 6.0, section 2), what of it is asked for here: first values of tags.
+// A TIFF structure (TIFF 6.0, section 2), as far as it is used here: first values of tags.
 class Tiff {
  public:
   explicit Tiff(std::string_view text)

@@ -20,7 +20,7 @@ struct GrayView {
   int width = 0;
   int height = 0;
   std::ptrdiff_t stride = 0;  // bytes from one row to the next
-  bool is_negative = false;   // samples are 255 less what the camera stored (ToneCurve::of)
+  bool is_negative = false;   // samples are 255 minus what the camera stored (ToneCurve::of)
 
   const std::uint8_t* row(int y) const { return data + y * stride; }
   std::uint8_t at(int x, int y) const { return row(y)[x]; }
@@ -49,8 +49,7 @@ inline PixelPoint operator-(PixelPoint a, PixelPoint b) { return {a.x - b.x, a.y
 inline PixelPoint operator*(double scale, PixelPoint a) { return {scale * a.x, scale * a.y}; }
 inline double dot(PixelPoint a, PixelPoint b) { return a.x * b.x + a.y * b.y; }
 inline double cross(PixelPoint a, PixelPoint b) { return a.x * b.y - a.y * b.x; }
-// Pixels are far from where squares overflow, so this needs no std::hypot, which is ten times as
-// slow.
+// Squares of pixels cannot overflow, so this needs no std::hypot, which is ten times as slow.
 inline double length(PixelPoint a) { return std::sqrt(dot(a, a)); }
 inline double distance(PixelPoint a, PixelPoint b) { return length(b - a); }
 

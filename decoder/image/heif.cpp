@@ -18,8 +18,8 @@ using namespace std::string_view_literals;
 
 // --- libheif ---
 
-// Its functions by their own names: linked, the library and the codecs that it draws in would be
-// loaded by every start of the program (docs/decisions/0019-third-party-libraries.md).
+// The library's functions by name: if it were linked, it and its codecs would be loaded at every
+// start of the program (docs/decisions/0019-third-party-libraries.md).
 struct Libheif {
   decltype(&::heif_context_alloc) context_alloc = nullptr;
   decltype(&::heif_context_free) context_free = nullptr;
@@ -105,7 +105,7 @@ struct Primary {
 
 Result<Primary> primary_of(const Libheif& heif, std::string_view bytes) {
   Primary primary{{heif.context_alloc(), heif.context_free}, {}};
-  heif.set_max_threads(primary.context.get(), 0);  // files are read side by side
+  heif.set_max_threads(primary.context.get(), 0);  // several files are read at the same time
   heif_error error = heif.read(primary.context.get(), bytes.data(), bytes.size(), nullptr);
   if (error.code != heif_error_Ok) return tl::unexpected(in_words(error));
   heif_image_handle* handle = nullptr;
@@ -115,7 +115,7 @@ Result<Primary> primary_of(const Libheif& heif, std::string_view bytes) {
   return primary;
 }
 
-// The primary image in the colours asked for, before any turning and cropping: as stored.
+// The primary image in the requested colours, before any turning and cropping: as stored.
 Result<Decoded> decode(std::string_view bytes, double most_pixels, heif_colorspace colours,
                        heif_chroma chroma) {
   const Result<Libheif>& library = libheif();
@@ -248,7 +248,8 @@ std::optional<int> heif_orientation(std::string_view bytes) {
   return exif_number(is_mirrored, quarters);
 }
 
-// ISO/IEC 23008-12, A.2.1: four bytes that say how far behind them the TIFF structure begins.
+// ISO/IEC 23008-12, A.2.1: four bytes give the distance behind them where the TIFF structure
+// begins.
 std::string heif_exif(std::string_view bytes) {
   const Result<Libheif>& heif = libheif();
   if (!heif) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an image file says about itself before it is decoded.
+// What an image file states about itself before it is decoded.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace tagsmith::detail {
 struct ImageHeader {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  bool complete = true;   // false when the file's end is missing, as far as the format tells it
+  bool complete = true;   // false when the file's end is missing, as far as the format shows it
   bool has_more = false;  // further pages of a TIFF, an animation of a WebP
 };
 

@@ -9,8 +9,8 @@
 namespace tagsmith::detail {
 namespace {
 
-// libjpeg leaves a file that it cannot decode by a long jump out of its error handler: what lies
-// between has no destructors. So the functions that jump hold plain values only.
+// libjpeg leaves a file that it cannot decode by a long jump out of its error handler: no
+// destructors run in between. So the functions that jump hold plain values only.
 class JpegDecoder {
  public:
   JpegDecoder() {
@@ -90,7 +90,7 @@ class JpegDecoder {
 // False when the file has components that are not decoded here.
 Result<bool> begin(JpegDecoder& decoder, std::string_view bytes, double most_pixels) {
   if (!decoder.read_header(bytes)) return fail(decoder.failure());
-  // The decoder may find another header than who looked before.
+  // The decoder may find another header than the earlier check.
   if (static_cast<double>(decoder.width()) * decoder.height() > most_pixels) {
     return fail("it has too many pixels");
   }

@@ -15,18 +15,18 @@ namespace tagsmith::detail {
 
 struct DecodedImage {
   GrayImage image;
-  std::string warning;  // what the decoder could make good, in its words; empty = nothing
+  std::string warning;  // the damage that the decoder repaired, in its words; empty = none
 };
 
-// What a warning of the decoder means, for people.
+// The meaning of a warning of the decoder, for people.
 inline std::string damaged_in_words(const std::string& warning) {
   return "the file is damaged, and a part of the picture may be wrong: " + warning;
 }
 
 // The luma of a JPEG file (ITU-T T.81) of one or three components, as stored, by libjpeg: the rows
 // are decoded into the image without a copy, chroma is only skipped. Nothing for other numbers of
-// components, as CMYK has. Fails, with the decoder's words, where it gives up, and before memory is
-// taken for more than `most_pixels`.
+// components, as CMYK has. Fails, with the decoder's message, where decoding fails, and before
+// memory for more than `most_pixels` is allocated.
 Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels);
 
 // Rows of pixels, each blue, green, red.

@@ -39,7 +39,8 @@ GrayImage copy_of(const cv::Mat& mat) {
   return image;
 }
 
-// Refuses what would not decode to a usable picture before the decoder allocates for it.
+// Refuses files that would not decode to a usable picture before the decoder allocates memory for
+// them.
 Result<void> check_header(const std::string& bytes) {
   const std::optional<ImageHeader> header = read_image_header(bytes);
   if (!header) {

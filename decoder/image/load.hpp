@@ -18,7 +18,7 @@ inline constexpr double kMaxImagePixels = 200e6;
 // image or no regular file, are truncated, or have more than 200 million pixels.
 Result<GrayImage> load_gray_image(const std::filesystem::path& path);
 
-// The same, with what its decoder warned of (JPEG alone).
+// The same, with the warnings of its decoder (JPEG alone).
 Result<DecodedImage> load_image(const std::filesystem::path& path);
 
 // The same from an image file's bytes; `name` begins the message of an error.

@@ -11,13 +11,13 @@
 namespace tagsmith::detail {
 
 // sRGB (IEC 61966-2-1), with samples 0-255 and light 0-1. Blur happens in light, so edges are
-// located there; cameras without the curve are told by the bars, whose widths are known.
+// located there; a camera without the curve is recognised by the bars, whose widths are known.
 class ToneCurve {
  public:
   static const ToneCurve& srgb();
 
-  // The curve of the image's samples: sRGB, or of a negative, whose light is 1 less that of the
-  // picture, so that its blur is as linear as the picture's.
+  // The curve of the image's samples: sRGB, or that of a negative, whose light is 1 minus that of
+  // the picture, so that its blur is as linear as the picture's.
   static const ToneCurve& of(const GrayView& image);
 
   double light_of(int sample) const { return light_[static_cast<std::size_t>(sample)]; }

@@ -13,7 +13,7 @@
 
 namespace tagsmith::detail {
 
-// ---- Stored pictures as they are to be shown.
+// ---- Stored pictures as they must be shown.
 
 bool Upright::mirrors() const {
   return orientation == 2 || orientation == 4 || orientation == 5 || orientation == 7;

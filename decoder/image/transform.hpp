@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole pictures turned, made smaller or with black for white.
+// Whole pictures turned, reduced or with black and white exchanged.
 #pragma once
 
 #include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
 
-// ---- Stored pictures as they are to be shown.
+// ---- Stored pictures as they must be shown.
 
 // How a stored picture becomes upright: EXIF orientation 1 to 8 (CIPA DC-008, Orientation).
 struct Upright {
@@ -17,18 +17,18 @@ struct Upright {
   // True for the orientations that mirror: what is stored is seen from behind.
   bool mirrors() const;
 
-  // The stored picture's sides change places.
+  // Width and height of the stored picture are exchanged.
   bool transposes() const { return orientation >= 5; }
 
   // After transposing: left for right, up for down.
   bool reverses_rows() const;
   bool reverses_columns() const;
 
-  // Where a stored pixel comes to lie.
+  // The place of a stored pixel in the upright picture.
   PixelPoint turn(PixelPoint at) const;
 };
 
-// The picture, or a part of it, as it is to be shown.
+// The picture, or a part of it, as it must be shown.
 GrayImage turn_upright(const GrayView& stored, int orientation);
 
 // ---- Smaller pictures.

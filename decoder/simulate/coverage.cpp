@@ -92,7 +92,7 @@ void CoverageGrid::add_edge_in_row(float* row, double x_first, double x_last, do
   row[last + 1] += static_cast<float>(rise * (1.0 - area_before));
 }
 
-// Four rows at a time: each row's sum waits for the one before, four of them side by side do not.
+// Four rows at a time: each row's sum depends on the one before, four of them side by side do not.
 void CoverageGrid::integrate() {
   constexpr std::size_t kRows = 4;
   const auto height = static_cast<std::size_t>(height_);

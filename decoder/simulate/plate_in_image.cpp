@@ -44,8 +44,8 @@ std::vector<Vector3d> clip(std::vector<Vector3d> polygon, const ViewingFrustum& 
   return polygon;
 }
 
-// The point's pixel; of a point out of the lens model's reach, that of the nearest one within. What
-// is seen of a polygon stays what it is when its outline is pulled in so.
+// The point's pixel; for a point beyond the lens model's reach, that of the nearest one within. The
+// visible part of a polygon stays unchanged when its outline is pulled in so.
 Vector2d pixel_within_reach(const Camera& camera, double reach, const Vector3d& point_in_camera) {
   if (const auto pixel = project(camera, point_in_camera)) return *pixel;
   const Vector2d ideal = point_in_camera.head<2>() / point_in_camera.z();

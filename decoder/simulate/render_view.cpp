@@ -168,10 +168,10 @@ Job prepare(const Camera& camera, std::span<const ScenePlate> plates, const View
   return job;
 }
 
-// What a plate's surface does to light at one pixel.
+// The effect of a plate's surface on light at one pixel.
 struct Surface {
   float white = 0;    // light of blank surface
-  float ink = 0;      // light of ink less that of blank surface
+  float ink = 0;      // light of ink minus that of blank surface
   float cover = 0;    // light of the cover
   float visible = 1;  // 0 behind the backdrop
 };
@@ -182,7 +182,7 @@ double dirt_opacity(const Dirt& dirt, const Vector2d& point) {
   const double noise = (2 * value_noise(dirt.seed, at.x(), at.y()) +
                         value_noise(dirt.seed + 1, 2.3 * at.x(), 2.3 * at.y())) /
                        3;
-  // The sum of two noises keeps clear of 0 and 1; the edge of a blotch is soft over 0.1 of it.
+  // The sum of two noises stays away from 0 and 1; the edge of a blotch is soft over 0.1 of it.
   const double level = 0.15 + 0.7 * (1 - std::min(dirt.amount, 1.0));
   return std::clamp((noise - level) / 0.1 + 0.5, 0.0, 1.0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands before a simulated camera.
+// The scene in front of a simulated camera.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +53,7 @@ struct ScenePlate {
   PlateFinish finish;
 };
 
-// What stands behind the plates, as seen by the same camera: its light, and its depth (z in the
+// The scene behind the plates, as seen by the same camera: its light, and its depth (z in the
 // camera frame, metres), which hides the plates behind it.
 struct Backdrop {
   LightImage light;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The way from light to the picture that a camera stores: blur, exposure, noise, tone curve,
-// quantisation; and what phones and webcams do besides.
+// quantisation; and the further processing of phones and webcams.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,8 @@
 
 namespace tagsmith::detail {
 
-// ---- What phones and webcams make of the light before they store a picture: a grid of colour
-// filters, demosaicing, denoising, a bent tone curve, sharpening, compression, and rows read one by
-// one.
+// ---- The processing of phones and webcams before they store a picture: a grid of colour filters,
+// demosaicing, denoising, a bent tone curve, sharpening, compression, and rows read one by one.
 
 // The defaults only demosaic.
 struct CameraChain {
@@ -56,7 +55,7 @@ struct SensorModel {
   // Share of the variance at the middle level that does not grow with the light (read-out); the
   // rest is proportional to it (photon noise).
   double read_noise_share = 0.1;
-  // What the camera does to the picture before it stores it; nothing = the grey levels as they are.
+  // The processing of the picture before it is stored; nothing = the grey levels unchanged.
   std::optional<CameraChain> chain;
 };
 
@@ -88,7 +87,7 @@ GrayImage develop(const LightImage& light, const SensorModel& sensor, std::uint6
 // Moves a plate's corners to where rows that are read one by one show them.
 void roll_corners(PlateTruth& truth, int image_height, double rolling_px);
 
-// The picture as a JPEG file of that quality holds it.
+// The picture decoded from a JPEG file of that quality.
 Result<GrayImage> compressed(const GrayView& image, int jpeg_quality);
 
 }  // namespace tagsmith::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rig's cameras and range sensors measure at a place of a surveyed tunnel.
+// The measurements of a rig's cameras and range sensors at a place of a surveyed tunnel.
 #pragma once
 
 #include <cstdint>
@@ -28,9 +28,9 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
                          const Pose& world_from_camera, const Lighting& lighting,
                          std::uint64_t seed);
 
-// ---- What is seen and measured.
+// ---- Views and measurements.
 
-// The plates that the camera's image could show were there no walls, and their indices in
+// The plates that the camera's image could show if there were no walls, and their indices in
 // survey.tags. World frame.
 struct TagsInSight {
   std::vector<ScenePlate> plates;
