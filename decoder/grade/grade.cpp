@@ -63,8 +63,8 @@ double edge_between(std::span<const double> reflectance, const Region& before,
   return static_cast<double>(i - 1) + share;
 }
 
-// ISO/IEC 15416 5.4.7: the greatest peak less the least valley within an element; 0 where it has
-// but one turning point.
+// ISO/IEC 15416 5.4.7: the greatest peak minus the least valley within an element; 0 where it has
+// only one turning point.
 double nonuniformity(std::span<const double> reflectance, const Region& region) {
   double peak = -1;
   double valley = 2;
@@ -117,7 +117,7 @@ DigitDecode decode_digit(std::span<const double> widths, bool left_half) {
   if (digits.empty()) return {std::nullopt, 0};
   decode.digit = digits.front();
   if (digits.size() == 1) return decode;
-  // 1 and 7, 2 and 8: told by the sum of the two bars, whose threshold lies halfway.
+  // 1 and 7, 2 and 8: distinguished by the sum of the two bars, whose threshold lies halfway.
   const double bars = (left_half ? widths[1] + widths[3] : widths[0] + widths[2]) / module;
   const double a = bars_of(kDigitElements[digits[0]], left_half);
   const double b = bars_of(kDigitElements[digits[1]], left_half);
@@ -283,7 +283,7 @@ struct ScanPlaces {
   double v = 0;
 };
 
-// Adds the light at each place, between pixels, to `sums`. Loops are apart for vectors.
+// Adds the light at each place, between pixels, to `sums`. Loops are separate for vectorisation.
 TAGSMITH_WIDE void add_light(const GrayView& image, const Homography& image_from_frame,
                              const ScanPlaces& places, std::span<double> sums) {
   constexpr std::size_t kBlock = 64;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Print quality of a UPC-A symbol in the manner of ISO/IEC 15416:2016: of one scan, and of a symbol
-// in a picture.
+// Print quality of a UPC-A symbol in the manner of ISO/IEC 15416:2016: for one scan, and for a
+// symbol in a picture.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ struct ScanParameters {
   double quiet_zone = 0;  // of the narrower one
 };
 
-// What was measured of the parameter; nothing of `decode`, which is no number.
+// The measured value of the parameter; nothing for `decode`, which is no number.
 std::optional<double> value_of(const ScanParameters& scan, GradeParameter parameter);
 
 // Of contrast, modulation and decodability the least values for the grades 4, 3, 2 and 1, of
@@ -96,7 +96,7 @@ struct ParameterMean {
 
 struct SymbolGrade {
   double grade = 0;  // mean of the scans' grades in steps of 0.1; 0 if they decode differently
-  GradeParameter worst = GradeParameter::decode;  // the one that costs most over all scans
+  GradeParameter worst = GradeParameter::decode;  // the one with the lowest grade over all scans
   bool absolute = false;
   // By parameter; nothing for one that was not graded.
   std::array<std::optional<ParameterMean>, kGradeParameters> means{};
@@ -113,7 +113,7 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
                                  const SymbolLayout& layout,
                                  const std::optional<ReflectanceReferences>& references = {});
 
-// "3.4 (decodability)"; "4.0" without a blame.
+// "3.4 (decodability)"; "4.0" without a parameter.
 std::string to_string(const SymbolGrade& grade);
 
 }  // namespace tagsmith::detail

@@ -50,10 +50,10 @@ struct ClosedFormFailure {
   std::string message;  // with the numbers
 };
 
-// O, the vehicle's centre, in the world frame, by (11)-(23). Where the paper takes, of the two
-// intersections of (22) and (23), the one with the smaller y, this takes the one further back along
-// the drive; in a straight tunnel along +y that is the same. The paper gives both corners P one
-// height H_P; of two heights the mean is taken.
+// O, the vehicle's centre, in the world frame, by (11)-(23). Of the two intersections of (22) and
+// (23) the paper uses the one with the smaller y; this function uses the one further back along the
+// drive, which is the same in a straight tunnel along +y. The paper gives both corners P one height
+// H_P; of two heights the mean is used.
 //
 // The result depends on d through 1 / tan(theta): 1 cm of d moves it 5.6 cm along the paper's
 // corridor, and often leaves no real solution, which the paper does not mention.

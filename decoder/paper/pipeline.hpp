@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's image pipeline, literally: Xu et al. (2017), "Locating and recognition of barcode
-// tags". It is here to be compared with, so its known limits are kept: one global threshold, one
-// tag an image, the tag must be the largest white thing and nearly upright.
+// tags". It serves for comparison, so its known limits are kept: one global threshold, one tag an
+// image, the tag must be the largest white area and nearly upright.
 //
 // The paper counts pixels from (1, 1); here pixel (0, 0) is the centre of the upper left one.
 #pragma once
@@ -40,10 +40,10 @@ struct PaperSegmentation {
 // (OpenCV's Otsu threshold is t - 1, since its white is > threshold.) 0 for an image of one grey.
 int otsu_threshold(const GrayView& image);
 
-// Grey image -> Otsu -> 3x3 opening -> outlines. The opening takes what lies outside the image as
-// not there. The paper does not say what an outline's area is, nor whether the edges of holes are
-// outlines; "the largest is the plate, the second largest the inside of the feature frame" holds
-// when each white region has one outline, its outer one, and its area is what that encloses.
+// Grey image -> Otsu -> 3x3 opening -> outlines. The opening ignores everything outside the image.
+// The paper does not say what an outline's area is, nor whether the edges of holes are outlines;
+// "the largest is the plate, the second largest the inside of the feature frame" holds when each
+// white region has one outline, its outer one, and its area is what that encloses.
 PaperSegmentation segment_paper(const GrayView& image);
 
 // What the pipeline reads from an image.
@@ -72,10 +72,10 @@ struct PaperFailure {
   std::optional<FrameCorners> corners;  // of the supposed feature frame, where one was located
 };
 
-// Where the paper is silent: an element's width is rounded to the nearest whole module; a row
+// Where the paper says nothing: an element's width is rounded to the nearest whole module; a row
 // counts when the scan finds exactly 59 elements (60 boundaries) and Table 1 has all twelve digits,
-// the guard patterns not being looked at; of rows that disagree the digits found most often win,
-// and a draw fails. The check digit is reported, not used.
+// while the guard patterns are not checked; of rows that disagree the digits found most often win,
+// and a tie fails. The check digit is reported, not used.
 tl::expected<PaperReading, PaperFailure> read_paper(const PaperSegmentation& segmentation);
 
 // segment_paper and read_paper as a reader: at most one tag, method "paper". Its corners F and
