@@ -15,8 +15,9 @@ struct FreeContext {
 };
 using Checksum = std::unique_ptr<EVP_MD_CTX, FreeContext>;
 
-// libcrypto's default provider always has SHA-256: no call below can fail but for want of memory.
-// It is looked for once (OpenSSL's crypto(7), "Performance"), and kept to the end of the program.
+// libcrypto's default provider always has SHA-256: a call below can fail only if memory runs out.
+// The provider is looked for once (OpenSSL's crypto(7), "Performance"), and kept to the end of the
+// program.
 Checksum begin() {
   static const EVP_MD* const kSha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
   Checksum checksum(EVP_MD_CTX_new());

@@ -8,7 +8,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// What spreadsheets compute instead of showing it (OWASP, "CSV injection").
+// Text that spreadsheets evaluate instead of showing it (OWASP, "CSV injection").
 bool is_formula(std::string_view text) {
   return !text.empty() && std::string_view("=+-@\t\r").find(text.front()) != text.npos &&
          !parse_number(text);

@@ -14,9 +14,9 @@ namespace tagsmith::detail {
 // the middle of a field.
 std::optional<std::vector<std::string>> split_csv(std::string_view line, char separator = ',');
 
-// A field as it is written: in quotes where it needs them. Text that a spreadsheet would take for a
+// A field as it is written: in quotes where it needs them. Text that a spreadsheet would read as a
 // formula, because it begins with = + - @, a tab or CR after any apostrophes, gets an apostrophe in
-// front; numbers stay as they are.
+// front; numbers stay unchanged.
 std::string csv_field(const std::string& text);
 
 // The fields as csv_field writes them, joined by commas, and CR LF.

@@ -8,7 +8,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// `d` in the shape stands for any digit.
+// `d` in the shape means any digit.
 bool has_shape(std::string_view text, std::string_view shape) {
   return std::ranges::equal(text, shape, [](char c, char like) {
     return like == 'd' ? c >= '0' && c <= '9' : c == like;
@@ -44,7 +44,7 @@ bool is_moment(std::string_view text) {
   if (text.size() < kDay + kTime || !parse_day(text.substr(0, kDay))) return false;
   const std::string_view time = text.substr(kDay, kTime);
   const std::string_view offset = text.substr(kDay + kTime);
-  // A leap second is one.
+  // A leap second is accepted.
   if (!has_shape(time, "Tdd:dd:dd") || number(time.substr(1, 2)) > 23 ||
       number(time.substr(4, 2)) > 59 || number(time.substr(7, 2)) > 60) {
     return false;

@@ -9,7 +9,7 @@
 
 namespace tagsmith::detail {
 
-// The day that the text writes in full, as 2026-03-31; nothing for anything else, days that no
+// The day that the text states in full, as 2026-03-31; nothing for any other text, days that no
 // calendar has included.
 std::optional<std::chrono::sys_days> parse_day(std::string_view text);
 

@@ -10,7 +10,7 @@ namespace tagsmith::detail {
 
 enum class Severity { error, warning };
 
-// A mechanical remedy: what stands at the finding's place, replaced.
+// A mechanical remedy: the text at the finding's place, and its replacement.
 struct TextEdit {
   std::string found;  // quotes of both kinds count as equal
   std::string text;
@@ -25,8 +25,8 @@ struct Diagnostic {
   Severity severity = Severity::error;
   std::string code;                  // short stable name of the rule, e.g. "unknown-key"
   std::string message;               // what was found and what is expected
-  std::string hint;                  // how to mend it; may be empty
-  std::optional<TextEdit> fix = {};  // what a program may do about it without asking back
+  std::string hint;                  // how to correct it; may be empty
+  std::optional<TextEdit> fix = {};  // what a program may change without asking
 };
 
 // A value that a file says, with all findings about the file. `value` is there exactly when no

@@ -51,7 +51,7 @@ std::string likely_name(const fs::path& missing) {
   return near ? ", did you mean " + (folder / *near).string() + "?" : "";
 }
 
-// The files of the kind that is mostly asked for by name.
+// The files of the kind that is usually requested by name.
 std::string yaml_files_in(const fs::path& folder) {
   constexpr std::size_t kMost = 4;
   std::vector<std::string> found;
@@ -152,7 +152,7 @@ std::optional<std::string> read_line(std::istream& stream, std::size_t most) {
   return line;
 }
 
-// ---- What stands where a file is expected.
+// ---- Objects in the place of a file.
 
 namespace {
 

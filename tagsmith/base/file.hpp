@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole-file reading with a limit, writing that leaves no half-written file, and what stands where
-// a file is expected.
+// Whole-file reading with a limit, writing that leaves no half-written file, and objects in the
+// place of a file.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ Result<std::string> read_file(const std::filesystem::path& path,
 // folders are made. A link stays, its target is replaced; a stream (is_stream) is written to.
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 
-// Whether a file is there that nobody may write: to replace it is not what its owner expects.
+// Whether a write-protected file exists: its owner does not expect it to be replaced.
 bool is_write_protected(const std::filesystem::path& file);
 
 // As read_file, of regular files alone: a pipe or device, which might never end, is refused.
@@ -35,20 +35,21 @@ Result<std::string> read_regular_file(const std::filesystem::path& path, std::ui
 // its first `most` + 1: the rest is still to be read.
 std::optional<std::string> read_line(std::istream& stream, std::size_t most);
 
-// ---- What stands where a file is expected: links, pipes, devices, folders.
+// ---- Objects in the place of a file: links, pipes, devices, folders.
 
 // "pipe", "socket", "device", "folder", "file".
 std::string file_type(const std::filesystem::file_status& status);
 
-// True of what is there and neither a file nor a folder: a pipe or device, which might never end.
+// True if the object exists and is neither a file nor a folder: a pipe or device, which might never
+// end.
 bool is_special(const std::filesystem::file_status& status);
 
-// Where what is written to `path` goes: the end of its symbolic links, there or not. Links within
-// /proc, which stand for open files (/dev/stdout leads there), are kept.
+// The target of what is written to `path`: the end of its symbolic links, whether it exists or not.
+// Links within /proc, which represent open files (/dev/stdout leads there), are kept.
 std::filesystem::path behind_links(const std::filesystem::path& path);
 
-// True when what is written to `path` goes into something open or endless, such as a pipe, a device
-// or standard output, which no file can replace.
+// True when the target of `path` is open or endless, such as a pipe, a device or standard output,
+// which no file can replace.
 bool is_stream(const std::filesystem::path& path);
 
 }  // namespace tagsmith::detail

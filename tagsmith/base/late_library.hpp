@@ -7,7 +7,7 @@
 
 namespace tagsmith::detail {
 
-// The function of this name in a library that dlopen gave; false where it has none.
+// The function of this name in a library opened by dlopen; false where it has none.
 template <class Function>
 bool find_function(void* library, const char* name, Function& function) {
   function = reinterpret_cast<Function>(dlsym(library, name));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors as values. A library function that can fail for a reason the user can mend returns
+// Errors as values. A library function that can fail for a reason that the user can correct returns
 // Result<T>; it never prints, exits or throws across its module's border.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace tagsmith::detail {
 
-// What went wrong, in words for the user: where, what was found, what was expected.
+// The error in words for the user: where, what was found, what was expected.
 struct Error {
   std::string message;
 };

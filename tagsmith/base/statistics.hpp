@@ -32,8 +32,8 @@ std::vector<Value> evenly_taken(std::vector<Value> values, std::size_t most) {
   return some;
 }
 
-// By how much residuals that are alike in neighbouring places raise a fit's variance: what they
-// have in common up to the first distance at which they have nothing. 1 for independent ones.
+// The factor by which correlation of neighbouring residuals raises a fit's variance: from their
+// correlation up to the first distance at which there is none. 1 for independent ones.
 double correlation_factor(std::span<const float> residuals);
 
 // ---- Distributions.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small text helpers that several modules share: reading, writing and comparing text, and making
-// harmless what comes from outside.
+// Small text functions that several modules share: reading, writing and comparing text, and making
+// text from outside harmless.
 #pragma once
 
 #include <cstddef>
@@ -49,13 +49,13 @@ std::string listed(std::span<const std::string> names);
 // A length in millimetres: 343, 0.264.
 std::string mm_text(double metres, int decimals = 3);
 
-// The candidate nearest to `word` by edit distance, when it is near enough to be a slip of the
-// pen (a third of the word's length, at least 1).
+// The candidate nearest to `word` by edit distance, when it is near enough to be a typing error (a
+// third of the word's length, at least 1).
 std::optional<std::string> nearest_word(std::string_view word,
                                         std::span<const std::string> candidates);
 
-// ---- Text from outside (file names, names in files, messages of libraries) made harmless for
-// where it is shown: the terminal, a page. Spreadsheets: csv.hpp.
+// ---- Text from outside (file names, names in files, messages of libraries) made harmless for the
+// place where it is shown: the terminal, a page. Spreadsheets: csv.hpp.
 
 // Length of the UTF-8 sequence at the front of the text, 0 when it is none (RFC 3629, section 4).
 std::size_t utf8_length(std::string_view text);

@@ -74,7 +74,7 @@ RadialCurve radial_curve(const Camera& camera) {
 }
 
 // True when the polynomial with these Bernstein coefficients is positive on all of [0, 1]. It lies
-// in their convex hull; where that leaves it open, each half is looked at (Farouki and Rajan 1988,
+// in their convex hull; where that does not decide, each half is tested (Farouki and Rajan 1988,
 // "Algorithms for polynomials in Bernstein form").
 bool is_positive(const Polynomial& bernstein, int halvings) {
   if (!(bernstein.front() > 0 && bernstein.back() > 0)) return false;
@@ -122,7 +122,8 @@ bool is_positive_up_to(const Polynomial& p, double end) {
 // True when the curve rises all the way from 0 to q.
 bool rises_up_to(const RadialCurve& curve, double q) {
   if (!curve.is_ratio) {
-    // Its falling terms alone bound the rise from below; that does at most places of most lenses.
+    // Its falling terms alone bound the rise from below; this is sufficient at most places of most
+    // lenses.
     double falling = 0;
     for (std::size_t i = curve.numerator.size(); i-- > 1;) {
       falling =
@@ -136,7 +137,7 @@ bool rises_up_to(const RadialCurve& curve, double q) {
   return is_positive_up_to({d[0], d[1], d[2], d[3]}, q * q);
 }
 
-// The largest q that distortion is followed to. Beyond, x/z and y/z lose their meaning.
+// The largest q up to which distortion is evaluated. Beyond, x/z and y/z lose their meaning.
 double widest(LensModel lens) {
   constexpr double kWidest = radians(89.9);
   return lens == LensModel::fisheye ? kWidest : std::tan(kWidest);
@@ -208,8 +209,7 @@ bool in_reach(const Camera& camera, const RadialCurve& curve, const Vector2d& id
 
 constexpr double kConverged = 1e-14;
 
-// The q at which the curve has the value `radius`, by Newton's method where that leads there at
-// once.
+// The q at which the curve has the value `radius`, by Newton's method where it converges at once.
 std::optional<double> invert_at_once(const RadialCurve& curve, double radius, double widest_q) {
   double q = std::min(radius, widest_q);
   for (int iteration = 0; iteration < 8; ++iteration) {
@@ -247,7 +247,7 @@ std::optional<double> invert(const RadialCurve& curve, double radius, double wid
 }
 
 // The ideal point that is distorted to this one. The tangential terms, small against the radial
-// ones, are mended by Newton's method from the solution without them.
+// ones, are corrected by Newton's method from the solution without them.
 std::optional<Vector2d> undistort(const Camera& camera, const Vector2d& distorted) {
   const RadialCurve curve = radial_curve(camera);
   const double radius = distorted.norm();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a covariance says of a vector, how covariances pass on, and linear least squares. These are
-// functions of matrices of any size, so that Eigen's solvers and products are compiled here alone:
-// each file that has its own costs the compiler several seconds.
+// Chi-squares and axes of a covariance, propagation of covariances, and linear least squares. These
+// are functions of matrices of any size, so that Eigen's solvers and products are compiled only
+// here: each further file with them takes the compiler several seconds.
 #pragma once
 
 #include <optional>
@@ -37,8 +37,8 @@ Eigen::MatrixXd propagated_variances(const Eigen::Ref<const Eigen::MatrixXd>& ja
                                      const Eigen::Ref<const Eigen::VectorXd>& variances);
 
 // Multiplies rows whose errors have this covariance by L^-1, where the covariance is L L^T: their
-// errors then are independent, of variance 1. False, with the rows as they were, where the
-// covariance is not positive definite.
+// errors then are independent, of variance 1. False, with the rows unchanged, where the covariance
+// is not positive definite.
 bool whiten(Eigen::Ref<Eigen::MatrixXd> rows, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
 // rows^T rows: the normal matrix of whitened rows.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Least squares of what is not linear in its parameters.
+// Least squares for models that are not linear in their parameters.
 #pragma once
 
 #include <algorithm>
@@ -18,11 +18,11 @@ struct DampedSteps {
 };
 
 // Levenberg-Marquardt: steps from `p` on towards the least cost, each damped by a share of the
-// normal matrix' diagonal that grows while there is no step or it gains nothing. `equations_at(p)`
-// gives a struct with the normal equations there: `matrix`, `right` (half the cost falls by its
-// product with a small step) and `cost`. `constrain(p)` puts parameters back to where the model
-// means something. Moves `p` to where it comes to rest and returns the equations there, or one step
-// of less than `settled` before.
+// normal matrix' diagonal that grows while no step is possible or none gains. `equations_at(p)`
+// returns a struct with the normal equations there: `matrix`, `right` (half the cost falls by its
+// product with a small step) and `cost`. `constrain(p)` moves parameters back to where the model is
+// valid. Moves `p` to the solution and returns the equations there, or those one step of less than
+// `settled` before.
 template <class Parameters, class EquationsAt, class Constrain>
 auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt& equations_at,
                      const Constrain& constrain) {
@@ -39,7 +39,7 @@ auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt&
     }
     Parameters next = p + move;
     constrain(next);
-    // What the normal equations promise is what a step so small gains, as far as rounding shows it.
+    // A step so small gains what the normal equations predict, as far as rounding shows it.
     if (move.dot(now.right) < steps.settled * now.cost) {
       p = next;
       break;

@@ -83,7 +83,7 @@ std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& veh
   observed.by_mounting << -by_vehicle_point, projection->by_point * cross_matrix(in_camera);
   observed.by_intrinsics << observed.pixel - Eigen::Vector2d(camera.cx, camera.cy),
       Eigen::Matrix2d::Identity(), projection->by_k1;
-  // The vehicle is where it is said to be when the middle row is exposed.
+  // The vehicle is at its stated place when the middle row is exposed.
   const double rows_later = (observed.pixel.y() - (camera.height - 1) / 2.0) / camera.height;
   observed.by_motion << observed.by_mounting.leftCols<3>(),
       observed.by_mounting.rightCols<3>() * camera_from_vehicle -

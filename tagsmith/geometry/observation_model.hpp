@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a vehicle's cameras and range sensors measure of plates and walls, and how that moves with
-// everything it depends on. The planner predicts with it, the localizer fits with it.
+// The measurements of plates and walls by a vehicle's cameras and range sensors, and their
+// derivatives by everything they depend on. The planner predicts with it, the localizer fits with
+// it.
 #pragma once
 
 #include <optional>
@@ -39,7 +40,7 @@ enum : int { kX, kY, kZ, kHeading, kPitch, kRoll, kCount };
 
 using VehicleCovariance = Eigen::Matrix<double, 6, 6>;  // metres and radians, squared
 
-// A vehicle's pose made ready for many observations.
+// A vehicle's pose prepared for many observations.
 struct VehicleFrame {
   Pose world_from_vehicle;
   // Columns: the axis in the vehicle frame about which heading, pitch and roll turn it.
@@ -61,8 +62,8 @@ struct ObservedPoint {
   Eigen::Matrix<double, 2, 6> by_motion;
 };
 
-// Where a camera sees a point of a plate, be it in the image or beside it. Nothing for a point that
-// the camera cannot see from there (see `project`).
+// The place where a camera sees a point of a plate, in the image or beside it. Nothing for a point
+// that the camera cannot see from there (see `project`).
 std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& vehicle_from_camera,
                                            const VehicleFrame& vehicle,
                                            const Pose& world_from_plate,

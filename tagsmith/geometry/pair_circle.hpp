@@ -20,7 +20,7 @@ struct PairCircle {
   double er = 0;    // of O across P1P2, horizontally: (a / tan(theta)) of (18)
   double r_sq = 0;  // square of e's radius; below zero where D1 and D2 meet nowhere
 
-  // Square of O's height above or below the tags; below zero where no real solution is.
+  // Square of O's height above or below the tags; below zero where there is no real solution.
   double height_difference_sq() const { return r_sq - er * er; }
 };
 

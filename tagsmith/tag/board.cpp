@@ -22,7 +22,7 @@ constexpr double kInnerHeight = 55;
 constexpr double kStroke = 4;
 
 // Between the frames of neighbours, in strokes. The frame itself has black next to white at one
-// stroke's distance; a gap that is wider than that blurs its edges no more than they are anyway.
+// stroke's distance; a gap wider than that blurs its edges no more than this already does.
 constexpr double kLeastGap = 1.5;
 
 int whole_up(double metres) {

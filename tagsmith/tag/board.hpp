@@ -16,7 +16,7 @@
 namespace tagsmith::detail {
 
 // A tag of a calibration board. Board frame: origin at the sheet's upper left corner, x to the
-// right, y down, metres, z away from who faces it; as drawn, before `scale`.
+// right, y down, metres, z away from a viewer who faces it; as drawn, before `scale`.
 struct BoardTag {
   Digits digits{};
   PlatePoint corner{};  // its P: the upper left inner corner of its feature frame
@@ -34,7 +34,7 @@ struct BoardGrid {
 // A sheet of many tags whose codes are their places on it.
 struct Board {
   std::string name;
-  int serial = 0;    // 0 to 999: tells boards apart that one picture shows
+  int serial = 0;    // 0 to 999: distinguishes boards in one picture
   double width = 0;  // of the sheet or plate, metres
   double height = 0;
   TagTemplate tag;             // the geometry of each tag: plate = its share of the sheet
@@ -42,12 +42,12 @@ struct Board {
   // Measured over drawn, to the right and down; 1 = as drawn.
   std::array<double, 2> scale{1, 1};
   double scale_sigma = 0;        // relative, of both scales
-  std::filesystem::path file{};  // it was read from; empty = from none
-  BoardGrid grid{};              // what `tags` follow from
+  std::filesystem::path file{};  // the file that it was read from; empty = from none
+  BoardGrid grid{};              // from which `tags` follow
 };
 
 // How far a print that nobody measured may be off its size: one part in 500. Paper changes by that
-// with the moisture of the air, and printers feed it no more truly.
+// with the moisture of the air, and printers are no more accurate when they feed it.
 inline constexpr double kUnmeasuredScaleSigma = 0.002;
 
 inline constexpr int kMostBoardSerial = 999;
@@ -66,14 +66,15 @@ std::array<PlatePoint, 4> corners_of(const Board& board, const BoardTag& tag);
 // The white that ink keeps from a board's feature frames, metres: a stroke, as at plates.
 double board_clearance(const TagTemplate& tag);
 
-// What a tape or a caliper is laid to: the crosses A, B, C and D near the sheet's upper left, upper
-// right, lower left and lower right corner; board frame. Their distances are whole millimetres.
+// The marks to which a tape or a caliper is laid: the crosses A, B, C and D near the sheet's upper
+// left, upper right, lower left and lower right corner; board frame. Their distances are whole
+// millimetres.
 std::array<PlatePoint, 4> board_marks(double width, double height);
 
 // From A to B and from A to C, metres.
 std::array<double, 2> drawn_distances(double width, double height);
 
-// What a board is to be. Lengths in metres.
+// The requested properties of a board. Lengths in metres.
 struct BoardRequest {
   std::string name;
   int serial = 0;  // 0 to 999
@@ -84,16 +85,16 @@ struct BoardRequest {
   int dots_per_inch = 300;  // a module is a whole number of this printer's dots
 };
 
-// So many tags, 64 corners, cover a picture: more of them are smaller and can be read from less
-// far.
+// So many tags, 64 corners, cover a picture: more tags are smaller and must be photographed from
+// nearer.
 inline constexpr int kWantedBoardTags = 16;
 
-// Tags as large as the columns allow and as many rows as there is room for, spread evenly over the
-// room. Each tag is one of the shipped templates in small: inner frame 113 by 55 modules, stroke 4,
-// quiet zones and margins 9. The frames keep board_clearance from the room's edges and one and a
-// half strokes or more from each other. Fails where a module would be narrower than 0.264 mm (the
-// least X-dimension for retail in the GS1 General Specifications), and on sheets that reach beyond
-// what four digits say, 9.999 m.
+// Tags as large as the columns allow and as many rows as fit, spread evenly over the room. Each tag
+// is one of the shipped templates in small: inner frame 113 by 55 modules, stroke 4, quiet zones
+// and margins 9. The frames keep board_clearance from the room's edges and one and a half strokes
+// or more from each other. Fails where a module would be narrower than 0.264 mm (the least
+// X-dimension for retail in the GS1 General Specifications), and on sheets that exceed the range of
+// four digits, 9.999 m.
 Result<Board> make_board(const BoardRequest& request);
 
 }  // namespace tagsmith::detail

@@ -48,7 +48,7 @@ constexpr double kArrowAspect = 0.6;     // width over height
 // Capital letters smaller than this are hard to read in a tunnel.
 constexpr double kReadableHeight = 0.004;
 
-// Characters of the last line that count when room is shared out: a longer one may be cut.
+// Characters of the last line that count when space is distributed: a longer one may be cut.
 constexpr double kLastLineCharacters = 40;
 
 // The part of the plate that the label may use, and which way its lines run.
@@ -65,7 +65,7 @@ struct LabelRows {
   LabelStrip strip;
   std::vector<std::string> rows;
   double height = 0;        // of a capital letter
-  double least_height = 0;  // of the row that has to be shrunk most to fit its width
+  double least_height = 0;  // of the row that must be shrunk most to fit its width
 
   double thickness() const { return static_cast<double>(rows.size()) * kRowHeight * height; }
 
@@ -169,7 +169,7 @@ std::optional<Rectangle> take_right_end(Rectangle& strip, double width, double h
   return Rectangle{left, strip.y + (strip.height - height) / 2, width, height};
 }
 
-// What stands in the strip below the frame beside the label, which gets what is left of it.
+// The parts in the strip below the frame beside the label, which gets the rest of it.
 Rectangle fill_strip(TagDrawing& drawing, const TagTemplate& tag) {
   Rectangle strip = strip_below_frame(tag);
   const double size = tag.patch_size;

@@ -31,8 +31,8 @@ struct PlatePoint {
 std::array<PlatePoint, 4> corners_of(const Rectangle& rectangle);
 
 // How far the ink of a line of text may reach above and below its baseline, in heights of a capital
-// letter: room for accents, descenders and full-width characters. Who sets the text shrinks it to
-// stay inside.
+// letter: space for accents, descenders and full-width characters. The code that sets the text
+// shrinks it to stay inside.
 inline constexpr double kTextAscent = 1.3;
 inline constexpr double kTextDescent = 0.4;
 
@@ -76,17 +76,17 @@ struct ReferencePatches {
 // A QR symbol on white ground of its own, on plates that are white on black too.
 struct QrDrawing {
   Rectangle box;                     // white: the symbol with its quiet zone
-  std::vector<Rectangle> modules{};  // black; who prints fills them in (render/qr_symbol.hpp)
+  std::vector<Rectangle> modules{};  // black; filled in when printed (render/qr_symbol.hpp)
 };
 
-// Room for a logo, and the area inside an odd number of outlines; black. Who prints fills them in
+// Space for a logo, and the area inside an odd number of outlines; black. Filled in when printed
 // (render/logo.hpp).
 struct LogoDrawing {
   Rectangle room;
   std::vector<std::vector<PlatePoint>> outlines{};
 };
 
-// What is called black here is white on a plate that is white on black, and the other way round.
+// Black here is white on a plate that is white on black, and the reverse.
 struct TagDrawing {
   Rectangle plate;              // white
   Rectangle frame_outer;        // black between the outer and the inner rectangle
@@ -107,7 +107,7 @@ struct TagDrawing {
 // The drawing with everything moved, and its lengths multiplied first: x' = scale x + right.
 TagDrawing moved(TagDrawing drawing, double right, double down, double scale = 1);
 
-// What the label says, the most important line first. Lines that don't fit below each other are
+// The text of the label, the most important line first. Lines that don't fit below each other are
 // joined on one.
 struct TagText {
   std::vector<std::string> lines;

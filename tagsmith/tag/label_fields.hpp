@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts of a template in which fields such as {name} stand for what each tag has.
+// Texts of a template in which fields such as {name} are replaced by the values of each tag.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@ namespace tagsmith::detail {
 inline constexpr std::array<std::string_view, 9> kLabelFields{
     "name", "side", "digits", "chainage", "x", "y", "z", "survey", "revision"};
 
-// The first field of the text that is none of kLabelFields, or that has no closing brace.
+// The first unknown field of the text (none of kLabelFields), or one that has no closing brace.
 std::optional<std::string> unknown_field(std::string_view text);
 
-// The text with `value_of` each of its fields; a field that is unknown stays as it is written.
+// The text with `value_of` each of its fields; a field that is unknown stays unchanged.
 std::string filled_in(std::string_view text,
                       const std::function<std::string(std::string_view field)>& value_of);
 

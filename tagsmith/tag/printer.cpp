@@ -23,7 +23,7 @@ Rectangle grown(const Rectangle& box, double before, double after) {
   return {box.x - before, box.y - before, box.width + before + after, box.height + before + after};
 }
 
-constexpr double kWhole = 0.01;   // dots: what differs less is the same
+constexpr double kWhole = 0.01;   // dots: smaller differences do not count
 constexpr double kQuietZone = 9;  // modules (GS1 General Specifications)
 
 bool is_whole(double dots) { return std::abs(dots - std::round(dots)) < kWhole; }
@@ -69,7 +69,7 @@ TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch) {
 }
 
 TagTemplate drawn_on_dots(const TagTemplate& tag, int dots_per_inch) {
-  constexpr double kMostMove = 0.1;  // modules: little beside the blur of a camera
+  constexpr double kMostMove = 0.1;  // modules: little compared with the blur of a camera
   const TagTemplate whole = fitted_to_dots(tag, dots_per_inch);
   const double move = kModuleCount / 2.0 * (1 - module_width(whole) / module_width(tag));
   return move <= kMostMove ? whole : tag;

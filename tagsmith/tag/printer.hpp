@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a printer does to what it is told to print, and what takes that away: dots, growth of bars.
+// How a printer changes what it prints, and the correction for it: dots, growth of bars.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace tagsmith::detail {
 
-// ---- What a printer does to what it is told to print.
+// ---- How a printer changes what it prints.
 
 // Printed length over drawn length, across and down the page as it leaves the printer.
 struct PrinterScale {
@@ -19,10 +19,10 @@ struct PrinterScale {
   bool is_true() const { return right == 1 && down == 1; }
 };
 
-// Of a page that leaves the printer turned by a quarter.
+// For a page that leaves the printer turned by a quarter.
 inline PrinterScale turned(const PrinterScale& scale) { return {scale.down, scale.right}; }
 
-// Scales beyond this, either way, are no printer's but a page fitted to its paper.
+// Scales beyond this, either way, come from a page fitted to its paper, not from a printer's error.
 inline constexpr double kMostPrinterScale = 0.03;
 
 // Whether both are within it.
@@ -40,8 +40,8 @@ struct PrinterProfile {
   double dot_gain = 0;  // share of the area that a tone of one half covers beyond one half
 };
 
-// What takes the growth away, metres: a bar stands across or down the page, so the mean of both.
-// Ink makes bars wider where they are printed, and narrower where they are what it leaves white.
+// The correction for the growth, metres: a bar stands across or down the page, so the mean of both.
+// Ink makes bars wider where they are printed, and narrower where they are the white between ink.
 double bar_adjustment_for(const PrinterProfile& profile, bool white_on_black);
 
 // ---- Tags whose edges fall between a printer's dots, and bars that grow when they are printed.
@@ -49,9 +49,9 @@ double bar_adjustment_for(const PrinterProfile& profile, bool white_on_black);
 inline constexpr double kMetresPerInch = 0.0254;
 
 // The template with a module of whole dots: the most dots that leave quiet zones of `quiet_zone`
-// modules. The symbol keeps to the middle of the frame, which keeps its size; what the symbol gives
-// up goes to its quiet zones and margins. A module that is whole to 1/100 dot stays as it is. The
-// template as it is when a module is narrower than one dot.
+// modules. The symbol stays in the middle of the frame, which keeps its size; the width that the
+// symbol loses is added to its quiet zones and margins. A module that is whole to 1/100 dot stays
+// unchanged, and so does the template when a module is narrower than one dot.
 TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch);
 
 // The template as a printer of so many dots is to draw it. Cameras look for the bars where the
