@@ -237,4 +237,21 @@ TEST_CASE("a plate that was not read keeps its fault when the survey is edited")
   CHECK(to_clean() == std::vector<std::string>{"007L"});
 }
 
+TEST_CASE("a plate that was never read is no other plate that has its name now") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  VerifiedFile photo = photo_of_wall(survey, 1, "003L");
+  photo.revision = "another";
+  photo.tags.resize(2);
+  photo.tags[0].status = TagStatus::unreadable;
+  photo.tags[0].rule = "covered";
+  photo.tags[0].digits.reset();
+  photo.tags[1].digits = find_tag(survey, std::string_view("004L"))->digits;  // names have moved
+  REQUIRE(ledger.enter(survey.name, std::array{photo}));
+  const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
+  CHECK(plates_to(PlateAction::clean, survey, report).empty());
+  CHECK(report.nameless == 1);
+}
+
 }  // namespace tagsmith::detail

@@ -49,6 +49,8 @@ TEST_CASE("other digits reprint, other places with the same digits move, other p
   CHECK(misread[0].distance == doctest::Approx(0.03));
   CHECK(read_elsewhere(before, with_p(0.0001, same)).empty());
   CHECK(read_elsewhere(before, with_p(0.03, "")).empty());
+  // What was measured anew hangs where it is said to.
+  CHECK(read_elsewhere(before, with_p(0.03, same + ", date: 2026-03-31")).empty());
   const std::vector<TagDifference> recoded = compare_surveys(before, with_p(0.03, ""));
   REQUIRE(recoded.size() == 1);
   CHECK(recoded[0].change == TagChange::reprint);
