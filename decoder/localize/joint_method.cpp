@@ -389,9 +389,9 @@ void list_dropped(Fix& fix, const NamedProblem& named, const PoseSearch& search,
     const auto difference = disagreement(problem, fit, i);
     std::string reason = search.reasons[i];
     if (difference) reason = describe(*difference);
-    if (named.seen[i]->is_part) reason = "a part of a tag, perhaps of another one: " + reason;
-    if (is_used_twice(named, fit, i)) reason = "was given twice, and counts once";
     if (reason.empty()) reason = "it cannot be seen from there";
+    if (named.seen[i]->is_part) reason.insert(0, "a part of a tag, perhaps of another one: ");
+    if (is_used_twice(named, fit, i)) reason = "was given twice, and counts once";
     fix.dropped.push_back({named.seen[i]->tag.name, named.seen[i]->camera, reason});
   }
   for (std::size_t i = 0; i < problem.ranges.size(); ++i) {
