@@ -111,11 +111,10 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
   return rows;
 }
 
-CornerCovariance covariance_by_motion(const SightingRows& rows, const RigCamera& camera) {
-  const Eigen::Matrix<double, kSightingRows, 6> by_sigmas =
-      rows.by_calibration.rightCols<6>() *
-      motion_sigmas(camera.calibration_sigma.shutter).asDiagonal();
-  return by_sigmas * by_sigmas.transpose();
+Eigen::Matrix<double, kSightingRows, 6> by_motion_sigmas(const SightingRows& rows,
+                                                         const RigCamera& camera) {
+  return rows.by_calibration.rightCols<6>() *
+         motion_sigmas(camera.calibration_sigma.shutter).asDiagonal();
 }
 
 std::optional<std::array<Pose, 2>> camera_poses_from(const Camera& camera,

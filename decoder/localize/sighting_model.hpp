@@ -103,8 +103,10 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
                                           const VehicleFrame& vehicle, const SightedPlate& plate,
                                           std::size_t camera);
 
-// What the vehicle's motion while the camera's rows are read adds to the corners' covariance.
-CornerCovariance covariance_by_motion(const SightingRows& rows, const RigCamera& camera);
+// How the corners move by one standard deviation of each part of the vehicle's motion while the
+// camera's rows are read, the same for all sightings of one picture.
+Eigen::Matrix<double, kSightingRows, 6> by_motion_sigmas(const SightingRows& rows,
+                                                         const RigCamera& camera);
 
 // The camera's poses that a sighting by itself allows (plate_poses): world_from_camera. Nothing
 // when the corners are no picture of a rectangle.

@@ -269,9 +269,9 @@ double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t statio
                                             sighting.camera)
                             : std::nullopt;
   if (!rows) return std::numeric_limits<double>::infinity();
+  const auto by_motion = by_motion_sigmas(*rows, fit.rig.cameras[sighting.camera]);
   return squared_mahalanobis(rows->predicted - sighting.pixels,
-                             sighting.covariance_with_edges() +
-                                 covariance_by_motion(*rows, fit.rig.cameras[sighting.camera]));
+                             sighting.covariance_with_edges() + by_motion * by_motion.transpose());
 }
 
 namespace {

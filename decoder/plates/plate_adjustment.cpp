@@ -297,11 +297,9 @@ class Network {
       own.col(residual) = rows->predicted - sighting.pixels;
       if (drifts_) {
         const Index drift = residual + 1 + kDrifts * static_cast<Index>(sighting.camera);
-        const RigCamera& camera = problem_.rig->cameras[sighting.camera];
         own.middleCols<kLensDrifts>(drift) = sighting.by_drift;
         own.middleCols<kDrifts - kLensDrifts>(drift + kLensDrifts) =
-            rows->by_calibration.rightCols<6>() *
-            motion_sigmas(camera.calibration_sigma.shutter).asDiagonal();
+            by_motion_sigmas(*rows, problem_.rig->cameras[sighting.camera]);
       }
       if (!whiten(own, sighting.covariance_with_edges())) return std::nullopt;
     }

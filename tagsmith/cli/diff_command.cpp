@@ -77,8 +77,7 @@ void warn_of_misread_plates(const std::vector<ReadElsewhere>& plates) {
   }
   to_stderr(
       "diff: warning: until moved or taken down, {} read as tags elsewhere by the new survey "
-      "({}{}): "
-      "do not localize with it before\n",
+      "({}{}): do not localize with it before\n",
       plates.size() == 1 ? "a plate that hangs is"
                          : counted(plates.size(), "plate") + " that hang are",
       fmt::join(shown, "; "), plates.size() > kShown ? "; ..." : "");
