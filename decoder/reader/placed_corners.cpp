@@ -2,11 +2,13 @@
 #include "decoder/reader/placed_corners.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/side_line.hpp"
@@ -89,19 +91,35 @@ Eigen::RowVector3d enter_beside(Eigen::Index place, std::size_t side, double hei
   return module_px * SeenPlaces::by_displacement(module);
 }
 
-// Enters the two places that the bars of half their height see.
-void enter_half(const HeightShare& half, Eigen::Index first, const SymbolHypothesis& symbol,
-                const RobustProfile& rows, SeenOutwards& seen) {
-  const SeenPlaces bars = seen_places(rows.of_agreeing_rows(half).bins, symbol.decoding.digits,
-                                      symbol.decoding.fit.image);
+// How the bars of each quarter of their height are displaced, from the upper end on.
+using SeenBands = std::array<SeenPlaces, 4>;
+
+HeightShare band_of(int band) { return {0.25 * band, 0.25 * (band + 1)}; }
+
+SeenBands seen_bands(const SymbolHypothesis& symbol, const RobustProfile& rows) {
+  SeenBands bands;
+  for (int i = 0; i < 4; ++i) {
+    SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
+    bars = seen_places(rows.of_agreeing_rows(band_of(i)).bins, symbol.decoding.digits,
+                       symbol.decoding.fit.image);
+    bars.covariance *= kCorner.alike * (symbol.frame.was_sharpened ? bars.correlation : 1);
+  }
+  return bands;
+}
+
+// Enters the two places that the bars of half their height see, that of two bands.
+void enter_half(const HeightShare& half, const SeenPlaces& upper, const SeenPlaces& lower,
+                Eigen::Index first, const SymbolHypothesis& symbol, SeenOutwards& seen) {
   const double height = middle_height(half, symbol.layout);
   Eigen::Matrix<double, 2, 3> by_displacement;
   by_displacement << enter_beside(first, 3, height, symbol, seen),
       enter_beside(first + 1, 1, height, symbol, seen);
-  seen.by_bars.segment<2>(first) = by_displacement * bars.displacement;
-  const double alike = kCorner.alike * (symbol.frame.was_sharpened ? bars.correlation : 1);
+  // The mean of the two, each by its information.
+  const Eigen::Matrix3d share = lower.covariance * (upper.covariance + lower.covariance).inverse();
+  seen.by_bars.segment<2>(first) =
+      by_displacement * (lower.displacement + share * (upper.displacement - lower.displacement));
   seen.covariance.block<2, 2>(first, first) =
-      alike * by_displacement * bars.covariance * by_displacement.transpose();
+      by_displacement * share * upper.covariance * by_displacement.transpose();
 }
 
 // Variance of sides by the bars, pixels^2, from what is unknown about a lens. A lens of the
@@ -151,16 +169,44 @@ void add_unexplained(double by_lens, SeenOutwards& seen) {
   }
 }
 
-SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol,
+// How far the upper and the lower corners may lie along the bars beside a straight line through the
+// bars of all heights, pixels: what a cubic through the bands adds to it there, if more than noise
+// puts the bands beside a line. Rows of an image that a shaken camera reads one after another do
+// so, and the two fields of a video.
+std::array<double, 2> beside_a_line(const SeenBands& bands, const SymbolHypothesis& symbol) {
+  const Eigen::RowVector3d at_middle = SeenPlaces::by_displacement(kModuleCount / 2.0);
+  const double px = symbol.profile.module_px;
+  Eigen::Matrix<double, 1, 4> shift, variance;
+  for (int i = 0; i < 4; ++i) {
+    const SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
+    shift[i] = px * at_middle.dot(bars.displacement);
+    variance[i] = px * px * at_middle.dot(bars.covariance * at_middle.transpose()) +
+                  kCorner.side * kCorner.side;
+  }
+  // Multiples of the orthogonal polynomials of second and third degree at -1.5, -0.5, 0.5, 1.5.
+  const Eigen::Vector4d second(1, -1, -1, 1), third(-1, 3, -3, 1);
+  const double quadratic = shift.dot(second), cubic = shift.dot(third);
+  const double chi_square =
+      quadratic * quadratic / variance.sum() + cubic * cubic / variance.dot(third.cwiseAbs2());
+  if (!(chi_square > 9)) return {};  // 1 in 90 by noise alone
+  const auto height = [&](int band) { return middle_height(band_of(band), symbol.layout); };
+  const double step = (height(3) - height(0)) / 3;
+  const auto beside = [&](double corner) {
+    const double x = (corner - height(0)) / step - 1.5;
+    return quadratic / 4 * (x * x - 1.25) + cubic / 6 * (x * x * x - 2.05 * x);
+  };
+  return {beside(0), beside(1)};
+}
+
+SeenOutwards seen_by_bars(const SymbolHypothesis& symbol, const SeenBands& bands,
                           const BothEnds& ends) {
-  const auto rows = rows_of(image, symbol.frame, symbol);
   const auto& [field, upper, lower] = ends;
   // A side that was hidden is already placed by the ends.
   const bool has_upper = upper && symbol.frame.shown[0], has_lower = lower && symbol.frame.shown[2];
   SeenOutwards seen(4 + (has_upper ? 2 : 0) + (has_lower ? 2 : 0));
   seen.ends_show = upper || lower;
-  enter_half({0, 0.5}, 0, symbol, *rows, seen);
-  enter_half({0.5, 1}, 2, symbol, *rows, seen);
+  enter_half({0, 0.5}, bands[0], bands[1], 0, symbol, seen);
+  enter_half({0.5, 1}, bands[2], bands[3], 2, symbol, seen);
   const double by_lens = lens_variance(symbol);
   add_unexplained(by_lens, seen);
   if (has_upper) enter_ends(*upper, 0, 4, symbol, by_lens, seen);
@@ -185,16 +231,8 @@ Correction correction_by(const SeenOutwards& seen, const CornerVector& moved_bef
           off.dot(solver.solve(off))};
 }
 
-}  // namespace
-
-BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol) {
-  return find_both_ends(
-      image, bar_field(symbol.frame.corners, symbol.layout, symbol.frame.lens, symbol.in_shadow));
-}
-
-PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
-                                       const BothEnds& ends) {
-  const SeenOutwards seen = seen_by_bars(image, symbol, ends);
+// The corners by the frame, moved to where the bars have them as far as the two agree.
+PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& seen) {
   PlacedCorners placed = placed_by_frame(symbol, seen.ends_show);
   const CornerVector at = as_vector(placed.corners);
   const CornerVector before = at - as_vector(symbol.frame.corners);
@@ -213,6 +251,34 @@ PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypoth
     const auto k = static_cast<Eigen::Index>(2 * i);
     placed.corners[i] = {at[k] + found.moved[k], at[k + 1] + found.moved[k + 1]};
   }
+  return placed;
+}
+
+// The upper and the lower corners lie beside it independently of each other.
+CornerCovariance covariance_beside_a_line(const FrameCorners& corners,
+                                          const std::array<double, 2>& beside) {
+  Eigen::Matrix<double, 8, 2> moved = Eigen::Matrix<double, 8, 2>::Zero();
+  for (const Eigen::Index i : {0, 1}) {
+    const auto end = static_cast<std::size_t>(i);
+    const PixelPoint along = side_of(corners, 2 * end).along;
+    moved.block<4, 1>(4 * i, i) << along.x, along.y, along.x, along.y;
+    moved.col(i) *= beside[end];
+  }
+  return moved * moved.transpose();
+}
+
+}  // namespace
+
+BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol) {
+  return find_both_ends(
+      image, bar_field(symbol.frame.corners, symbol.layout, symbol.frame.lens, symbol.in_shadow));
+}
+
+PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
+                                       const BothEnds& ends) {
+  const SeenBands bands = seen_bands(symbol, *rows_of(image, symbol.frame, symbol));
+  PlacedCorners placed = moved_to_bars(symbol, seen_by_bars(symbol, bands, ends));
+  placed.covariance += covariance_beside_a_line(placed.corners, beside_a_line(bands, symbol));
   return placed;
 }
 

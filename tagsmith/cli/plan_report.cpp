@@ -177,7 +177,11 @@ std::string plan_heading(const PlannedDrive& drive) {
                                  drive.survey.name, drive.rig.name, plan.columns.front().chainage,
                                  plan.columns.back().chainage, format_number(plan.options.step, 4),
                                  counted(static_cast<std::size_t>(plan.poses_per_column), "pose"));
-  if (!drive.rig.envelope) return text + " (the rig has no envelope: only the center line)";
+  const std::string at_speed =
+      plan.speed > 0 ? fmt::format("at {} m/s", format_number(plan.speed, 3)) : "standing still";
+  if (!drive.rig.envelope) {
+    return text + " (the rig has no envelope: only the center line), " + at_speed;
+  }
   text += fmt::format(" (up to {} m and {} deg to either side", format_number(envelope.lateral, 3),
                       format_number(degrees(envelope.yaw), 2));
   if (envelope.roll > 0)
@@ -185,9 +189,7 @@ std::string plan_heading(const PlannedDrive& drive) {
   if (envelope.pitch > 0) {
     text += fmt::format(", pitch {} deg", format_number(degrees(envelope.pitch), 2));
   }
-  return text + fmt::format("), {}", plan.speed > 0
-                                         ? fmt::format("at {} m/s", format_number(plan.speed, 3))
-                                         : "standing still");
+  return text + "), " + at_speed;
 }
 
 std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive) {

@@ -538,7 +538,7 @@ Result<DrivePlan> plan_drive(const Survey& survey, const Rig& rig, const PlanOpt
   if (auto good = check(survey, rig, options, from, to); !good) return fail(good.error().message);
   DrivePlan plan;
   plan.options = options;
-  plan.speed = options.speed.value_or(rig.envelope ? rig.envelope->speed : 0);
+  plan.speed = options.speed.value_or(usual_speed(rig));
   const auto count = static_cast<std::size_t>(std::floor((to - from) / options.step + 1e-6)) + 1;
   plan.columns.resize(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -33,12 +33,12 @@ struct PaperExpectation {
 };
 
 struct PlanOptions {
-  std::optional<double> from;   // chainage, metres; absent = the center line's start
-  std::optional<double> to;     // absent = its end
-  double step = 0.05;           // of the chainage, metres
-  int lateral_offsets = 5;      // spread evenly over the envelope, odd
-  int headings = 5;             // likewise
-  std::optional<double> speed;  // metres a second; absent = the envelope's, or standing still
+  std::optional<double> from;             // chainage, metres; absent = the center line's start
+  std::optional<double> to;               // absent = its end
+  double step = 0.05;                     // of the chainage, metres
+  int lateral_offsets = 5;                // spread evenly over the envelope, odd
+  int headings = 5;                       // likewise
+  std::optional<double> speed;            // metres a second; absent = usual_speed(rig)
   std::optional<double> corner_sigma_px;  // absent = as measured (corner_sigma_px)
   bool accuracy = true;                   // false: only sight, which is faster
   int jobs = 0;                           // threads at most; 0 = all cores

@@ -169,8 +169,7 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
                                      std::span<const PlateSight> sights,
                                      const AccuracyOptions& options) {
   if (!sees_a_tag_twice(sights)) {
-    const auto rolls = [](const RigCamera& camera) { return camera.readout.value_or(0) > 0; };
-    return std::ranges::any_of(rig.cameras, rolls)
+    return has_rolling_shutter(rig)
                ? sum_of_cameras<kCalibrationParameters>(survey, rig, vehicle, sights, options)
                : sum_of_cameras<kFixedParameters>(survey, rig, vehicle, sights, options);
   }

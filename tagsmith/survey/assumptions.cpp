@@ -45,18 +45,19 @@ std::optional<std::string> assumed_sigma(const Survey& survey) {
                      format_number(1000 * survey.sigma));
 }
 
-// For cameras that drive: shutters of which nothing is said are assumed to be global.
+// Shutters of which nothing is said are assumed to be global: of cameras that drive, or may drive,
+// as no envelope says. Cameras whose place is known exactly took no real pictures.
 std::optional<std::string> assumed_shutter(const Rig& rig) {
-  const auto rolls = [](const RigCamera& camera) { return camera.readout.value_or(0) > 0; };
-  if (!rig.envelope && std::ranges::any_of(rig.cameras, rolls)) {
+  if (!rig.envelope && has_rolling_shutter(rig)) {
     return fmt::format(
         "rig {} has a readout and states no speed (vehicle.envelope): {} m/s assumed", rig.name,
         format_number(kUsualSpeed));
   }
-  if (!rig.envelope || rig.envelope->speed == 0) return std::nullopt;
+  if (rig.envelope && rig.envelope->speed == 0) return std::nullopt;
   std::vector<std::string> names;
   for (const RigCamera& camera : rig.cameras) {
-    if (!camera.readout) names.push_back(camera.name);
+    const bool drives = rig.envelope || camera.calibration_sigma.position > 0;
+    if (drives && !camera.readout) names.push_back(camera.name);
   }
   if (names.empty()) return std::nullopt;
   return fmt::format("rig {} states no readout of camera {}: a global shutter assumed", rig.name,

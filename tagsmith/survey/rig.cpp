@@ -22,8 +22,18 @@ Eigen::Matrix3d body_from_camera() {
 
 }  // namespace
 
+bool has_rolling_shutter(const Rig& rig) {
+  return std::ranges::any_of(
+      rig.cameras, [](const RigCamera& camera) { return camera.readout.value_or(0) > 0; });
+}
+
+double usual_speed(const Rig& rig) {
+  if (rig.envelope) return rig.envelope->speed;
+  return has_rolling_shutter(rig) ? kUsualSpeed : 0;
+}
+
 void set_shutter_sigmas(Rig& rig) {
-  const double speed = rig.envelope ? rig.envelope->speed : kUsualSpeed;
+  const double speed = usual_speed(rig);
   for (RigCamera& camera : rig.cameras) {
     camera.calibration_sigma.shutter = camera.readout.value_or(0) * speed;
   }

@@ -87,8 +87,15 @@ struct Rig {
   std::optional<VehicleEnvelope> envelope;
 };
 
-// Metres a second, where a camera has a readout and no envelope states the speed.
+// Metres a second: assumed where a camera has a readout and no envelope states the speed.
 inline constexpr double kUsualSpeed = 2;
+
+// True when a camera reads the rows of an image one after another.
+bool has_rolling_shutter(const Rig& rig);
+
+// Metres a second: the envelope's; without one kUsualSpeed where a camera has a rolling shutter,
+// else 0: nothing is said of a vehicle that drives.
+double usual_speed(const Rig& rig);
 
 // Sets each camera's CalibrationSigma::shutter by its readout and the vehicle's speed; 0 without a
 // readout.

@@ -2,10 +2,15 @@
 // A frame's corners by its sides and its bars together.
 #include "decoder/reader/placed_corners.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
 
 #include <doctest/doctest.h>
 
+#include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "tests/reader/drawn_symbol.hpp"
 #include "tests/support/seen_tag.hpp"
@@ -37,6 +42,25 @@ SymbolHypothesis symbol_in(const DrawnSymbol& drawn, double left_off, double rig
 PlacedCorners placed_in(const DrawnSymbol& drawn, const SymbolHypothesis& symbol) {
   const GrayView image = drawn.image.view();
   return placed_by_frame_and_bars(image, symbol, bar_ends_of(image, symbol));
+}
+
+// Shifts each row to the right by a number of pixels, as a camera does that moves while it reads
+// them.
+template <class Shift>
+void shift_rows(GrayImage& image, const Shift& shift) {
+  const GrayImage still = image;
+  const ToneCurve& tone = ToneCurve::srgb();
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double from = std::clamp(x - shift(y), 0.0, image.width - 1.001);
+      const auto left = static_cast<std::size_t>(y * image.width + static_cast<int>(from));
+      const double share = from - std::floor(from);
+      const double light = (1 - share) * tone.light_of(still.samples[left]) +
+                           share * tone.light_of(still.samples[left + 1]);
+      image.samples[static_cast<std::size_t>(y * image.width + x)] =
+          static_cast<std::uint8_t>(std::lround(tone.sample_of(light)));
+    }
+  }
 }
 
 }  // namespace
@@ -101,4 +125,41 @@ TEST_CASE("through a lens that only the frame's own sides tell, the bars say lit
   symbol.frame.lens_doubt = 1e-3;
   const double by_frame = corner_covariance(symbol.frame).trace();
   CHECK(placed_in(drawn, symbol).covariance.trace() == doctest::Approx(by_frame).epsilon(0.001));
+}
+
+TEST_CASE("corners that a shaken camera's rows carry away are not sure of their place") {
+  for (const double phase : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}) {
+    CAPTURE(phase);
+    DrawnSymbol drawn(kDrawnDigits, 3);
+    const FrameCorners still = drawn.frame().corners;
+    const double turn = 2 * std::numbers::pi / drawn.height();
+    const auto shake = [&](double y) { return 0.8 * std::sin(turn * y + phase); };
+    shift_rows(drawn.image, shake);
+    // The straight lines that fit a period of the sine best.
+    const double middle = (still[0].y + still[3].y) / 2;
+    SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.3);
+    const double lean = 0.8 * 3 / std::numbers::pi * std::cos(turn * middle + phase);
+    for (PixelPoint& corner : symbol.frame.corners) {
+      corner.x += lean * (corner.y - middle) / (drawn.height() / 2.0);
+    }
+    const PlacedCorners placed = placed_in(drawn, symbol);
+    for (std::size_t i = 0; i < 4; ++i) {
+      CAPTURE(i);
+      const double off = placed.corners[i].x - still[i].x - shake(still[i].y);
+      const auto row = static_cast<Eigen::Index>(2 * i);
+      CHECK(std::abs(off) < 3 * std::sqrt(placed.covariance(row, row)));
+    }
+  }
+}
+
+TEST_CASE("rows that only lean leave corners as sure as they were") {
+  const DrawnSymbol drawn(kDrawnDigits, 3);
+  const double still = placed_in(drawn, symbol_in(drawn, 0, 0, 0.1)).covariance.trace();
+  DrawnSymbol leaning = drawn;
+  for (const double blurred : {0.5, -0.5}) shift_rows(leaning.image, [&](int) { return blurred; });
+  const auto lean = [](double y) { return 0.01 * (y - 90); };
+  shift_rows(leaning.image, lean);
+  SymbolHypothesis symbol = symbol_in(leaning, 0, 0, 0.1);
+  for (PixelPoint& corner : symbol.frame.corners) corner.x += lean(corner.y);
+  CHECK(placed_in(leaning, symbol).covariance.trace() < 1.5 * still);
 }

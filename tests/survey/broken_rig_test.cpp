@@ -117,9 +117,29 @@ TEST_CASE("a rolling shutter counts by the vehicle's speed, or by a usual one") 
   CHECK(assumptions({}, *usual.value) ==
         std::vector<std::string>{"rig trial has a readout and states no speed (vehicle.envelope): "
                                  "2 m/s assumed"});
+  CHECK(usual_speed(*usual.value) == 2);
   const auto stated = read_text_as_rig(text + ", envelope: { lateral: 0.3, yaw: 5, speed: 1 } }\n");
   REQUIRE(stated.value);
   CHECK(stated.value->cameras[0].calibration_sigma.shutter == doctest::Approx(0.02));
+}
+
+TEST_CASE("a camera without a readout is assumed to have a global shutter, unless it stands") {
+  const std::string camera =
+      "rig: trial\ncameras:\n  left: { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: "
+      "[4.8, 3.6], alpha: 35, side: left, sigma: ";
+  const std::vector<std::string> assumed{
+      "rig trial states no readout of camera left: a global shutter assumed"};
+  const auto sentences = [&](const std::string& sigma, const std::string& rest) {
+    const auto reading =
+        read_text_as_rig(camera + sigma + " }\nvehicle: { height: 1.1" + rest + " }\n");
+    REQUIRE(reading.value);
+    return assumptions({}, *reading.value);
+  };
+  const std::string known = "{ position: 0.001, angle: 0.05, focal: 0.002, center: 1, edge: 0.1 }";
+  CHECK(sentences(known, "") == assumed);
+  CHECK(sentences(known, ", envelope: { lateral: 0.3, yaw: 5, speed: 1 }") == assumed);
+  CHECK(sentences(known, ", envelope: { lateral: 0.3, yaw: 5, speed: 0 }").empty());
+  CHECK(sentences("0", "").empty());  // pictures that were computed
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {
