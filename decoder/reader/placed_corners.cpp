@@ -14,6 +14,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/robust_profile.hpp"
+#include "decoder/reader/stroke_edges.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/symbol_fit.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -25,8 +26,15 @@ using CornerVector = Eigen::Matrix<double, 8, 1>;
 
 // Where no end of the bars is visible, only the stroke distinguishes the upper and the lower side
 // from other edges, and an edge between light and shade may lie on it.
-PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show) {
+// A stroke that is thicker or thinner than the others has a crust or dirt along one of its edges.
+PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show,
+                              const StrokeExcesses& excesses) {
   RefinedFrame frame = symbol.frame;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!excesses[i] || std::abs(excesses[i]->px) < 3 * excesses[i]->sigma_px) continue;
+    const Eigen::Matrix2d shape{{1.25, 1}, {1, 1.25}};
+    frame.sides[i].covariance += excesses[i]->px * excesses[i]->px * shape;
+  }
   if (!ends_show) {
     for (FrameSide* side : {&frame.sides[0], &frame.sides[2]}) {
       const double doubt = side->stroke_px / 2;
@@ -232,8 +240,9 @@ Correction correction_by(const SeenOutwards& seen, const CornerVector& moved_bef
 }
 
 // The corners by the frame, moved to where the bars have them as far as the two agree.
-PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& seen) {
-  PlacedCorners placed = placed_by_frame(symbol, seen.ends_show);
+PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& seen,
+                            const StrokeExcesses& excesses) {
+  PlacedCorners placed = placed_by_frame(symbol, seen.ends_show, excesses);
   const CornerVector at = as_vector(placed.corners);
   const CornerVector before = at - as_vector(symbol.frame.corners);
   const Correction found = correction_by(seen, before, placed.covariance);
@@ -277,7 +286,8 @@ BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol) {
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
                                        const BothEnds& ends) {
   const SeenBands bands = seen_bands(symbol, *rows_of(image, symbol.frame, symbol));
-  PlacedCorners placed = moved_to_bars(symbol, seen_by_bars(symbol, bands, ends));
+  PlacedCorners placed =
+      moved_to_bars(symbol, seen_by_bars(symbol, bands, ends), stroke_excesses(image, symbol));
   placed.covariance += covariance_beside_a_line(placed.corners, beside_a_line(bands, symbol));
   return placed;
 }

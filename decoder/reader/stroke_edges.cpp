@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/stroke_edges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "decoder/feature_frame/lens_distortion.hpp"
+#include "decoder/feature_frame/tuning.hpp"
+#include "decoder/image/line_levels.hpp"
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/statistics.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// From the inner edge of a stroke outwards, at a share of the side's length.
+struct AcrossStroke {
+  PixelPoint inner, outer;  // as the layout has them
+  double share = 0;
+};
+
+AcrossStroke across_stroke(const FrameHomography& map, const FrameShape& shape, std::size_t side,
+                           double share) {
+  constexpr Quad unit{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  const PixelPoint begin = unit[side], end = unit[(side + 1) % 4];
+  const PixelPoint inner = begin + share * (end - begin);
+  const double thick = shape.stroke / (side % 2 == 0 ? shape.height : shape.length);
+  const PixelPoint along = end - begin;
+  const PixelPoint outer = inner + thick * PixelPoint{along.y, -along.x};
+  return {map(inner.x, inner.y), map(outer.x, outer.y), share};
+}
+
+// How far beyond its place in the layout a stroke ends, pixels.
+std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line,
+                                const FrameSide& side) {
+  const double thickness = distance(line.inner, line.outer);
+  if (thickness < kEdgeFit.thin_stroke) return std::nullopt;
+  const PixelPoint outward = (1 / thickness) * (line.outer - line.inner);
+  const int first = static_cast<int>(thickness / 2);
+  const int last = static_cast<int>(std::ceil(1.4 * thickness)) + 2;
+  const PlacesOnLine places{line.inner, outward, first, 1};
+  if (!is_inside(image, places.at(0)) || !is_inside(image, places.at(last - first))) {
+    return std::nullopt;
+  }
+  std::vector<double> levels(static_cast<std::size_t>(last - first + 1));
+  sample_line(image, places, levels);
+  const ToneCurve& tone = ToneCurve::of(image);
+  const double at_begin = (side.white_begin + side.black_begin) / 2;
+  const double at_end = (side.white_end + side.black_end) / 2;
+  const double half = at_begin + line.share * (at_end - at_begin);
+  double before = tone.light_near(levels.front());
+  if (before > half) return std::nullopt;
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    const double light = tone.light_near(levels[i]);
+    if (light > half) {
+      return first + static_cast<double>(i) - (light - half) / (light - before) - thickness;
+    }
+    before = light;
+  }
+  return std::nullopt;
+}
+
+// A stroke's excess besides growth, as its layout has it; `thickness` is set to that of the layout.
+std::optional<StrokeExcess> excess_of_side(const GrayView& image, const SymbolHypothesis& symbol,
+                                           std::size_t side, double& thickness) {
+  const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
+  std::vector<double> seen;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const double share = (static_cast<double>(i) + 0.5) / 9;
+    const AcrossStroke line = across_stroke(map, symbol.layout.frame, side, share);
+    if (i == 4) thickness = distance(line.inner, line.outer);
+    const auto excess = excess_at(image, line, symbol.frame.sides[side]);
+    if (excess) seen.push_back(*excess);
+  }
+  if (seen.size() < 6) return std::nullopt;
+  const double middle = quantile(seen, 0.5);
+  for (double& excess : seen) excess = std::abs(excess - middle);
+  const double scatter = quantile(seen, 0.5) / std::sqrt(static_cast<double>(seen.size()));
+  const double unknown = std::hypot(0.1, 0.01 * thickness, symbol.frame.unexplained_bow);
+  return StrokeExcess{middle - growth_of(symbol).px, std::hypot(2 * scatter, unknown)};
+}
+
+}  // namespace
+
+StrokeExcesses stroke_excesses(const GrayView& image, const SymbolHypothesis& symbol) {
+  StrokeExcesses excesses;
+  std::array<double, 4> thickness{};
+  std::vector<double> shares;
+  for (std::size_t side = 0; side < 4; ++side) {
+    if (!symbol.frame.shown[side]) continue;
+    excesses[side] = excess_of_side(image, symbol, side, thickness[side]);
+    if (excesses[side]) shares.push_back(excesses[side]->px / thickness[side]);
+  }
+  if (shares.empty()) return excesses;
+  std::ranges::sort(shares);
+  const double common = (shares[(shares.size() - 1) / 2] + shares[shares.size() / 2]) / 2;
+  for (std::size_t side = 0; side < 4; ++side) {
+    if (!excesses[side]) continue;
+    const double alone = excesses[side]->px - common * thickness[side];
+    if (std::abs(alone) < std::abs(excesses[side]->px)) excesses[side]->px = alone;
+  }
+  return excesses;
+}
+
+}  // namespace tagsmith::detail
