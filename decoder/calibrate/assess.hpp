@@ -55,7 +55,7 @@ struct CalibrationFinding {
 // Limits, each with its reason.
 struct CalibrationLimits {
   // A focal length from a data sheet is known to 2 %, a principal point to 1 % of the width
-  // (docs/decisions/0020-unstated-is-not-exact.md): a calibration must at least halve that.
+  // (docs/decisions/0013-unstated-is-not-exact.md): a calibration must at least halve that.
   double refused_focal = 0.01;
   double refused_ray = 0.005;  // of the picture's width
   // What localization assumes for a calibration file that states nothing (ibid.).

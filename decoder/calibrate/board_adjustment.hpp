@@ -4,7 +4,7 @@
 //
 // Poses are eliminated sighting by sighting (Triggs et al. 2000, "Bundle Adjustment - A Modern
 // Synthesis", 6.1); what is left is a dense system of some twenty unknowns, for which Eigen is
-// sufficient: docs/decisions/0021-camera-calibration.md.
+// sufficient: docs/decisions/0014-camera-calibration.md.
 #pragma once
 
 #include <array>

@@ -60,7 +60,7 @@ Eigen::Matrix<double, kCameraParameters, Eigen::Dynamic> free_parameters(const C
 
 // Standard deviation of the principal point from the picture's middle before anything is measured,
 // as a share of the picture's width: twice the value for a rig that states none
-// (docs/decisions/0020-unstated-is-not-exact.md), because nothing at all is known of the camera.
+// (docs/decisions/0013-unstated-is-not-exact.md), because nothing at all is known of the camera.
 inline constexpr double kCenterSigma = 0.02;
 
 // What is known of the parameters before anything is measured, as standard deviations about zero

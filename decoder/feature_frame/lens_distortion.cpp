@@ -195,7 +195,7 @@ void set_stroke_through(const LensDistortion& lens, const Quad& corners, std::si
   side.taper = std::clamp(slope / amid, -0.5, 0.5);
 }
 
-// Why: docs/decisions/0006-lens-and-tone.md.
+// Why: docs/decisions/0006-lens-tone-and-shadows.md.
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                         PixelPoint centre, double lambda) {
   const std::array<double, 4> by_lambda = bows_by_lambda(corners, centre, lambda);

@@ -163,7 +163,8 @@ void add_lens_doubt(FrameFit& fit) {
   }
 }
 
-// A frame whose sides are used to estimate the lens. Why: docs/decisions/0006-lens-and-tone.md.
+// A frame whose sides are used to estimate the lens.
+// Why: docs/decisions/0006-lens-tone-and-shadows.md.
 class LensSearch {
  public:
   LensSearch(const Sight& sight, const Quad& settled, PixelPoint centre, double lambda)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a camera sharpened a picture after taking it, determined from a feature frame's sides, and
-// the picture without that. Why: docs/decisions/0006-lens-and-tone.md.
+// the picture without that. Why: docs/decisions/0006-lens-tone-and-shadows.md.
 #pragma once
 
 #include <optional>

@@ -82,7 +82,7 @@ struct CornerTuning {
 inline constexpr CornerTuning kCorner;
 
 // How an unknown lens is estimated from the sides; chosen by `./dev bench lens`.
-// Why: docs/decisions/0006-lens-and-tone.md.
+// Why: docs/decisions/0006-lens-tone-and-shadows.md.
 struct LensTuning {
   double most = 0.8;    // of 1, at the farthest corner; in the image's where none is seen
   double shape = 0.04;  // of a bow, at either end: lenses are not quite of the model

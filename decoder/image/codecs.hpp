@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenCV's codecs, loaded when the first picture needs them. Their library loads some 100 others
 // (GDAL, DICOM and similar ones), whose start takes as long as fifteen photos; photos are JPEG,
-// which decode_jpeg() reads without it. Why: docs/decisions/0019-third-party-libraries.md.
+// which decode_jpeg() reads without it. Why: docs/decisions/0017-third-party-libraries.md.
 #pragma once
 
 #include <string>

@@ -19,7 +19,7 @@ using namespace std::string_view_literals;
 // --- libheif ---
 
 // The library's functions by name: if it were linked, it and its codecs would be loaded at every
-// start of the program (docs/decisions/0019-third-party-libraries.md).
+// start of the program (docs/decisions/0017-third-party-libraries.md).
 struct Libheif {
   decltype(&::heif_context_alloc) context_alloc = nullptr;
   decltype(&::heif_context_free) context_free = nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Why there is one file with a rollback journal, and a photo is identified by its content:
-// docs/decisions/0024-ledger.md.
+// docs/decisions/0015-files-and-ledger.md.
 #include "decoder/ledger/ledger.hpp"
 
 #include <algorithm>

@@ -40,7 +40,7 @@ struct SettledFit {
 // once in a thousand), the pose is the one from these; otherwise it is the fit's own. The
 // covariance is that of the error about the pose: the fit's own, plus the square of the difference
 // between the two poses, which is added to the calibration's part.
-// Why: docs/decisions/0020-unstated-is-not-exact.md.
+// Why: docs/decisions/0013-unstated-is-not-exact.md.
 SettledFit settled(const JointProblem& problem, const JointFit& fit) {
   constexpr double kBorneOut = 3.1;  // of a normal value: once in a thousand
   SettledFit result{fit.state, fit.vehicle_covariance(), budget_of(problem, fit), fit.chi_square,
@@ -72,7 +72,7 @@ SettledFit settled(const JointProblem& problem, const JointFit& fit) {
 
 using Eigen::Vector3d;
 
-// Why: docs/decisions/0010-position-consensus-and-confirmation.md.
+// Why: docs/decisions/0009-position-consensus.md.
 // The likelihoods of two poses of the same tags must differ by this much of -2 log: odds of 20 000.
 constexpr double kClearlyBetterPose = 20;
 // Standard deviations may be understated by a factor of two. A larger factor means a mistake, whose
@@ -570,7 +570,7 @@ Fix localize_by_tags(const Observation& observation, const std::vector<Survey>& 
   return fix;
 }
 
-// --- parts of tags. Why: docs/decisions/0025-parts-of-tags.md. ---
+// --- parts of tags. Why: docs/decisions/0005-parts-and-frameless-symbols.md. ---
 
 // The tags of one survey that a part may be.
 std::vector<const PlacedTag*> candidates_in(const SeenPart& part, std::size_t survey) {

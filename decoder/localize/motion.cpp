@@ -13,7 +13,7 @@ namespace {
 // Chi-square of four degrees of freedom that one in 10,000 exceeds.
 constexpr double kAgreementGate = 23.51;
 
-// Why: docs/decisions/0012-smoothing.md.
+// Why: docs/decisions/0011-smoothing-and-paper-method.md.
 double shared_part(const Fix& fix) {
   if (!fix.budget) return 0;
   const ErrorBudget& budget = *fix.budget;
@@ -73,7 +73,7 @@ MotionEstimate predicted(const MotionEstimate& estimate, double dt, const Motion
   return later;
 }
 
-// Why: docs/decisions/0010-position-consensus-and-confirmation.md.
+// Why: docs/decisions/0009-position-consensus.md.
 bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdate& update,
              const Fix& fix) {
   constexpr double kLargestSigma = 0.025;  // metres, worst direction

@@ -142,7 +142,7 @@ double log_prior(double sigma) {
 
 }  // namespace
 
-// Why: docs/decisions/0011-as-built-deviations.md.
+// Why: docs/decisions/0010-where-plates-hang.md.
 double attitude_scatter(const AdjustmentProblem& problem, ComparedPlates compared) {
   constexpr std::size_t kSteps = 61;
   constexpr double kQuantile = 0.975;

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Why: docs/decisions/0011-as-built-deviations.md.
+// Why: docs/decisions/0010-where-plates-hang.md.
 // By how much chi-square another explanation with one fault less may be worse: parameters of a
 // plate, and its odds.
 constexpr double kOfFault = 7 + kClearlyBetter;

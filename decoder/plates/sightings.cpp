@@ -30,7 +30,7 @@ void SightingPick::count(std::span<const SightedTag> sighted) {
   }
 }
 
-// Why: docs/decisions/0018-verification-lines.md.
+// Why: docs/decisions/0015-files-and-ledger.md.
 void SightingPick::choose() {
   std::ranges::sort(seen_);
   seen_.erase(std::unique(seen_.begin(), seen_.end()), seen_.end());

@@ -197,7 +197,7 @@ struct WindowEnd {
 };
 
 // The line that most of the ends are near, fitted to these.
-// Why: docs/decisions/0005-hidden-frame-sides.md.
+// Why: docs/decisions/0004-covered-tags.md.
 std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double pixels_per_v) {
   constexpr std::size_t kLeast = kWindows / 2;
   std::vector<WindowEnd> best;

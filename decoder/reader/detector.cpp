@@ -248,7 +248,7 @@ TagHypothesis& Detector::judge_carefully(const RefinedFrame& frame, bool complet
   return found_.keep(std::move(hypothesis));
 }
 
-// Why: docs/decisions/0003-confidence-and-its-border.md.
+// Why: docs/decisions/0003-confidence-and-refusal.md.
 void Detector::try_doubtful() {
   const std::optional<CheckDigit> scheme = found_.scheme_shown();
   if (!scheme || options_.check || !options_.code_book.empty()) return;

@@ -20,7 +20,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// Why: docs/decisions/0005-hidden-frame-sides.md.
+// Why: docs/decisions/0004-covered-tags.md.
 
 // A field of bars and the lines where the frame's inner edges should be, in pixels of a level; the
 // upper and lower ones where the bars show where they end.

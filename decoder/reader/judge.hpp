@@ -25,7 +25,7 @@ std::optional<Objection> objection_to(const Decoding& decoding, const ReadOption
 // Whether the upper or the lower half of the bars' height shows another symbol clearly: something
 // covers part of the height, and the rest may show something that is no digit. `rows` run as they
 // were decoded.
-// Why: docs/decisions/0004-occlusion.md.
+// Why: docs/decisions/0004-covered-tags.md.
 bool halves_contradict(const RobustProfile& rows, const Decoding& decoding);
 
 // The reason for not believing a symbol that was read without regard to covers; nothing if it is

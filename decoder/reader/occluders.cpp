@@ -273,7 +273,7 @@ Crossing part_in_line(const Crossing& broad, const Crossing& narrow) {
 // Whether the crossings of a row above and a row below the bars may belong to one strip, broad
 // enough to hide some module over two thirds of the bars' height. `bars_share` is the bars' height
 // over the rows' distance.
-// Why: docs/decisions/0004-occlusion.md.
+// Why: docs/decisions/0004-covered-tags.md.
 bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_share) {
   const auto [broad, broader] = std::minmax(above.count, below.count);
   if (is_much_broader(broader, broad)) return false;

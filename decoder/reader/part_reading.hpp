@@ -16,7 +16,7 @@ namespace tagsmith::detail {
 // A tag that the picture's border cuts, or of which something hides digits or an end. What is in
 // sight is certain and belongs to one of the candidates, or to a plate of no survey given whose
 // digits in sight are the same: nothing in the picture distinguishes these, so that a part alone is
-// no evidence that a tag is in its place. Why: docs/decisions/0025-parts-of-tags.md.
+// no evidence that a tag is in its place. Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 struct PartReading {
   std::vector<PartCandidate> candidates;     // of the code book, likeliest first; not empty
   std::array<bool, kDigitCount> in_sight{};  // digits that are seen wholly, and certain

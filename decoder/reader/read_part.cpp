@@ -377,7 +377,7 @@ std::string digits_in_sight(const PartReading& part) {
   return text;
 }
 
-// Why: docs/decisions/0025-parts-of-tags.md.
+// Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
                                      const ReadOptions& options) {
   const std::optional<Part> part = believed_part(image, cut, options);

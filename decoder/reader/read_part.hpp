@@ -37,7 +37,8 @@ CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
 // ---- Tags of one picture of which a part is in sight: noted during the search for whole tags,
 // read where no whole tag was read.
 
-// Does nothing without codes to compare with. Why: docs/decisions/0025-parts-of-tags.md.
+// Does nothing without codes to compare with.
+// Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 class PartSearch {
  public:
   // Whether a whole tag was read at a place of the picture.

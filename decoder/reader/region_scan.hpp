@@ -20,7 +20,7 @@ struct BarLook {
 };
 
 // One line of a region that a symbol was read from.
-// Why: docs/decisions/0009-symbols-without-a-frame.md.
+// Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 struct ReadLine {
   double offset = 0;  // along the bars, pixels
   ScanLine light;

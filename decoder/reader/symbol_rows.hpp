@@ -54,7 +54,7 @@ struct SymbolRows {
 
 // Leaves out what is plain where other rows show bars: no element is wider than four modules, so a
 // longer window shows bars and spaces, or something in front of them, even if that covers most of
-// the rows. Why: docs/decisions/0004-occlusion.md.
+// the rows. Why: docs/decisions/0004-covered-tags.md.
 void leave_out_plain(SymbolRows& rows);
 
 }  // namespace tagsmith::detail

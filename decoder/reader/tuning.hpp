@@ -9,7 +9,7 @@
 namespace tagsmith::detail {
 
 // A symbol's profile from the rows of its bars. Shares of the contrast unless another unit is
-// named. Why: docs/decisions/0004-occlusion.md.
+// named. Why: docs/decisions/0004-covered-tags.md.
 struct ProfileTuning {
   // Rows.
   double row_px = 2.5;  // height of a row, at least: most bins then hold a pixel
@@ -40,7 +40,7 @@ struct ProfileTuning {
 inline constexpr ProfileTuning kProfile;
 
 // Things in front of a plate that cross its white and its black.
-// Why: docs/decisions/0004-occlusion.md.
+// Why: docs/decisions/0004-covered-tags.md.
 struct OccluderTuning {
   double odd_in_ink = 0.45;  // of the contrast, where only too much light counts; less is noise
   double least_even = 0.85;  // of the places along a strip, as even as that
@@ -48,7 +48,7 @@ struct OccluderTuning {
 };
 inline constexpr OccluderTuning kOccluder;
 
-// Where bars end. Why: docs/decisions/0005-hidden-frame-sides.md.
+// Where bars end. Why: docs/decisions/0004-covered-tags.md.
 struct BarEndsTuning {
   std::size_t rows = 9;         // amid the bars, of which the median of each place counts
   double beyond_px = 3;         // of white that must follow
@@ -65,7 +65,7 @@ struct BarEndsTuning {
 inline constexpr BarEndsTuning kBarEnds;
 
 // Bars followed line by line, with a frame or without.
-// Why: docs/decisions/0009-symbols-without-a-frame.md.
+// Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 struct BarLinesTuning {
   // Of a symbol's 30, to look for a frame around them: blurred by two modules, others run together.
   // Twice as many to follow them without a frame.
@@ -105,7 +105,7 @@ inline constexpr SearchTuning kSearch;
 // Whether to believe a symbol. A symbol of ours explains 95 % and more of its profile when it can
 // be read at all; product codes and random stripes reach 88 %. Right digits on the ray-traced
 // photos: 0.82 and more; digits with an edge a module off: 0.5.
-// Why: docs/decisions/0003-confidence-and-its-border.md.
+// Why: docs/decisions/0003-confidence-and-refusal.md.
 struct JudgeTuning {
   double explained = 0.9;  // of the profile
   double guards = 0.8;     // of the guard patterns
@@ -123,7 +123,7 @@ struct JudgeTuning {
 inline constexpr JudgeTuning kJudge;
 
 // Tags of which a part is in sight (`./dev bench half`).
-// Why: docs/decisions/0025-parts-of-tags.md.
+// Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 struct PartTuning {
   double border_px = 3;       // of the level: corners on the border, outlines that are one
   double usual_focal = 1.25;  // of the picture's longer side, where the camera is not known
@@ -137,7 +137,7 @@ struct PartTuning {
 inline constexpr PartTuning kPart;
 
 // Symbols that are read without a frame (`./dev bench frameless`).
-// Why: docs/decisions/0009-symbols-without-a-frame.md.
+// Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 struct FramelessTuning {
   double together = 0.99;      // confidence by the lines' mean: lines may have errors in common
   double most_of_a_line = 30;  // the most that one line can count against a digit: it may be dirty

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadows on a plate: the light on its bars is determined from its white.
-// Why: docs/decisions/0026-shadows.md.
+// Why: docs/decisions/0006-lens-tone-and-shadows.md.
 #pragma once
 
 #include "decoder/feature_frame/refine.hpp"

@@ -230,7 +230,7 @@ bool hide_disturbed(const JudgedPart& judged, InSight& seen) {
 }
 
 // As decode_upright, for a part: the visible modules of a disturbed digit would disturb the others.
-// Why: docs/decisions/0025-parts-of-tags.md.
+// Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 std::optional<PartDecoding> decode_part_upright(const ScanProfile& all, const ImagingModel& image,
                                                 const DecodeOptions& options) {
   InSight seen = in_sight_of(all);

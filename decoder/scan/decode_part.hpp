@@ -32,7 +32,7 @@ struct PartDecoding {
 
 // As decode_profile, for a profile that begins or ends within the symbol or hides places of it,
 // against a code book, which must not be empty. Codes that differ in no digit in sight are equally
-// candidates. Why: docs/decisions/0025-parts-of-tags.md.
+// candidates. Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 std::optional<PartDecoding> decode_part(const ScanProfile& profile, const ImagingModel& start,
                                         const DecodeOptions& options);
 

@@ -187,7 +187,7 @@ std::array<DigitModules, kDigitCount> with_noise(std::array<DigitModules, kDigit
 
 }  // namespace
 
-// Why: docs/decisions/0003-confidence-and-its-border.md.
+// Why: docs/decisions/0003-confidence-and-refusal.md.
 std::array<double, kDigitCount> odds_of_corrupted_digits(
     const std::array<DigitModules, kDigitCount>& seen, const Characters& digits) {
   const std::array<DigitModules, kDigitCount> modules =

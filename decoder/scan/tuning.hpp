@@ -38,7 +38,7 @@ inline constexpr ImagingTuning kImaging;
 
 // The odds of the alternatives to a code: as the hostile frames of docs/accuracy.md have them
 // ("Reliability"; `./dev campaign frames`). A tunnel has fewer.
-// Why: docs/decisions/0003-confidence-and-its-border.md.
+// Why: docs/decisions/0003-confidence-and-refusal.md.
 struct OddsTuning {
   double wrong_check = 0.02;         // a symbol whose check digit fails
   double foreign = 0.1;              // a character that is no digit

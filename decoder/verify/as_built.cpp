@@ -421,7 +421,7 @@ std::string to_string(AsBuiltStatus status) {
   return kNames[static_cast<std::size_t>(status)];
 }
 
-// Why: docs/decisions/0023-as-built-survey.md.
+// Why: docs/decisions/0010-where-plates-hang.md.
 Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
                                       std::span<const SightedTag> sighted,
                                       std::span<const std::string> control) {

@@ -138,7 +138,7 @@ bool is_mirrored_by_margins(const GrayView& image, const TagTemplate& tag,
 
 }  // namespace
 
-// Why: docs/decisions/0018-verification-lines.md.
+// Why: docs/decisions/0015-files-and-ledger.md.
 std::string find_mirroring(const GrayView& image, const TagTemplate& tag,
                            const FrameCorners& corners, double module_px) {
   constexpr double kLeastModule = 4;  // pixels; letters are four modules high and more

@@ -13,7 +13,7 @@
 namespace tagsmith::detail {
 namespace {
 
-// Why: docs/decisions/0022-photos-without-a-rig.md.
+// Why: docs/decisions/0014-camera-calibration.md.
 CalibrationSigma sigma_by_lens(int width) {
   CalibrationSigma sigma;
   sigma.edge = usual_calibration(IntrinsicsSource::data_sheet, width).edge;

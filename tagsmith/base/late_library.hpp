@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Libraries that are opened when they are first needed
-// (docs/decisions/0019-third-party-libraries.md).
+// (docs/decisions/0017-third-party-libraries.md).
 #pragma once
 
 #include <dlfcn.h>

@@ -154,7 +154,7 @@ std::optional<Vector3d> position_from(const PairGeometry& pair, const PairDistan
 
 // Errors about the true place over the set of draws. Each of D1 and D2 is off by sqrt(2) sigma in a
 // quarter of the draws each way, which has their variances.
-// Why: docs/decisions/0015-closed-form-of-the-paper.md.
+// Why: docs/decisions/0011-smoothing-and-paper-method.md.
 void vary(const PairGeometry& pair, const PairDistances& distances, const Vector3d& sigmas,
           const Vector3d& truth, double floor, PaperExpectation& expectation) {
   const double root2 = std::sqrt(2.0);

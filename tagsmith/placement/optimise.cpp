@@ -281,7 +281,7 @@ bool LayoutSearch::is_cheaper(const LayoutReport& a, const LayoutReport& b) cons
   return cost(a) < cost(b);
 }
 
-// Why: docs/decisions/0013-planning.md.
+// Why: docs/decisions/0012-planning.md.
 std::optional<LayoutReport> LayoutSearch::stretched(const std::string& name, const Layout& layout,
                                                     const LayoutReport* best) const {
   const int least = best != nullptr ? least_steps(layout, *best) : kDensest;

@@ -45,7 +45,7 @@ double at_incidence(bool code_book, const Between& row, std::size_t blur, ReadSh
 
 }  // namespace
 
-// Why: docs/decisions/0013-planning.md.
+// Why: docs/decisions/0012-planning.md.
 double least_module_px(bool code_book, double incidence, double blur_px, ReadShare share) {
   if (!(incidence <= radians(kIncidencesDeg.back())) || !(blur_px <= kBlursPx.back())) {
     return kNever;

@@ -31,7 +31,7 @@ inline constexpr double kPartInSight = 0.6;
 // strokes are thin, its inner height is small, or the plate is seen steeply from above or below, so
 // that its heights are foreshortened by `foreshortening` compared with its lengths. The limits were
 // measured with one template, turned about its vertical axis. Measured by `./dev bench limits
-// frames`; why: docs/decisions/0013-planning.md.
+// frames`; why: docs/decisions/0012-planning.md.
 double frame_share(const TagTemplate& tag, double foreshortening);
 
 // Standard deviation of a coordinate of a corner of the feature frame, pixels, interpolated by

@@ -153,7 +153,7 @@ double standoff_behind(double farthest) {
 namespace {
 
 // Chainages within `reach` of one, where floor or roof do not continue as before.
-// Why: docs/decisions/0014-walls-and-grade.md.
+// Why: docs/decisions/0001-frames-grids-and-walls.md.
 std::vector<double> breaks_of(const Tunnel& tunnel, double chainage, double reach) {
   std::vector<double> breaks = tunnel.height.is_constant()
                                    ? std::vector<double>{}

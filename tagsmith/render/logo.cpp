@@ -24,7 +24,7 @@ constexpr double kLongerSide = 2000;  // pixels that the outlines are traced in
 constexpr int kMargin = 1;            // white pixels around them, so that all outlines close
 
 // Its functions by their own names: linked, the library would take 2 of the 14 ms of every start of
-// the program (docs/decisions/0019-third-party-libraries.md).
+// the program (docs/decisions/0017-third-party-libraries.md).
 struct Librsvg {
   decltype(&::rsvg_handle_new_from_data) open = nullptr;
   decltype(&::rsvg_handle_get_intrinsic_dimensions) dimensions = nullptr;

@@ -156,7 +156,7 @@ bool PrintSettingsFilter::take(std::string_view bytes) {
   }
 }
 
-// Why: docs/decisions/0016-printing-and-printer-dots.md.
+// Why: docs/decisions/0016-printing.md.
 void PrintSettingsFilter::take_object(std::string_view object) {
   if (position_ == 0)
     put(fmt::format("%PDF-1.{}\n%\xb5\xed\xae\xfb\n", intent_ != nullptr ? 6 : 7));

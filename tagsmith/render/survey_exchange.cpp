@@ -45,7 +45,7 @@ constexpr const char* kModelSpace = "1F";
 constexpr const char* kPaperSpace = "1E";
 
 // Group codes and values, a line each (AutoCAD 2000 DXF Reference, "ASCII DXF Files").
-// Why: docs/decisions/0017-files-and-formats.md.
+// Why: docs/decisions/0015-files-and-ledger.md.
 class DxfWriter {
  public:
   void group(int code, std::string_view value) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What surveys and rigs do not state of their uncertainty, and what is assumed instead. The source
-// of the numbers: docs/decisions/0020-unstated-is-not-exact.md.
+// of the numbers: docs/decisions/0013-unstated-is-not-exact.md.
 #pragma once
 
 #include <optional>

@@ -144,7 +144,7 @@ std::vector<SettingOut> setting_out(const Survey& survey, std::span<const Placed
 namespace {
 
 // Part of the pitch by which a pair's stagger may differ from W_T tan(theta).
-// Why: docs/decisions/0015-closed-form-of-the-paper.md.
+// Why: docs/decisions/0011-smoothing-and-paper-method.md.
 constexpr double kStaggerMargin = 1.0 / 8;
 
 }  // namespace

@@ -403,7 +403,7 @@ std::string plain_yaml(std::string text) {
 
 }  // namespace
 
-// Why: docs/decisions/0017-files-and-formats.md.
+// Why: docs/decisions/0015-files-and-ledger.md.
 Result<Diagnosed<Camera>> read_calibration(const CalibrationRequest& request) {
   Result<std::string> text = read_file(request.file, kLargestFile);
   if (!text) return tl::unexpected(text.error());

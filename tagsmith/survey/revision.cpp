@@ -126,7 +126,7 @@ void add_tag(Content& content, const Survey& survey, const PlacedTag& tag) {
 
 }  // namespace
 
-// Why: docs/decisions/0017-files-and-formats.md.
+// Why: docs/decisions/0015-files-and-ledger.md.
 std::string survey_revision(const Survey& survey) {
   Content content;
   content.text(survey.name);

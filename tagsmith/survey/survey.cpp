@@ -44,7 +44,7 @@ constexpr std::array kNotInMetres{
 
 }  // namespace
 
-// Why: docs/decisions/0001-frames-and-grids.md.
+// Why: docs/decisions/0001-frames-grids-and-walls.md.
 Eigen::Vector3d world_from_grid(const Grid& grid, const Eigen::Vector3d& point_in_grid) {
   const double x = grid.x_axis_left ? 0.0 - point_in_grid.x() : point_in_grid.x();
   return {x, point_in_grid.y(), point_in_grid.z()};

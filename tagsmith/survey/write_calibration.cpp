@@ -109,7 +109,7 @@ Result<std::string> kalibr_text(const Camera& camera, const CalibrationNotes& no
 
 }  // namespace
 
-// Why: docs/decisions/0017-files-and-formats.md.
+// Why: docs/decisions/0015-files-and-ledger.md.
 Result<std::string> calibration_text(CalibrationFormat format, const Camera& camera,
                                      const CalibrationNotes& notes) {
   switch (format) {

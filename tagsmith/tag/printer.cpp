@@ -75,7 +75,7 @@ TagTemplate drawn_on_dots(const TagTemplate& tag, int dots_per_inch) {
   return move <= kMostMove ? whole : tag;
 }
 
-// Why: docs/decisions/0016-printing-and-printer-dots.md.
+// Why: docs/decisions/0016-printing.md.
 TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch) {
   const double dot = dot_of(dots_per_inch);
   const double gap = drawing.bars.empty() ? 0 : drawing.bars.front().x - drawing.frame_inner.x;

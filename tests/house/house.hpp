@@ -44,7 +44,7 @@ std::size_t count_tuned_values(std::string_view source);
 // The number of constants that a source names (`constexpr double kLeast = 2`).
 std::size_t count_named_constants(std::string_view source);
 
-// The decision records that a text cites: "0004-occlusion.md" for `decisions/0004-occlusion.md`. A
+// The decision records that a text cites: "0016-printing.md" for `decisions/0016-printing.md`. A
 // record that is cited by its number alone ("decision 4") is given as it stands there.
 std::vector<std::string> cited_decisions(std::string_view text);
 
