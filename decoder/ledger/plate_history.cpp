@@ -121,7 +121,7 @@ bool tells(const PlateDay& day, const SeenFault& fault) {
       return day.placed;
     case TagStatus::misprinted:
       return day.module_px >= kAsLarge * fault.module_px &&
-             (fault.finding.rule != "upside-down" || day.up_known);
+             (!fault.finding.is_upside_down() || day.up_known);
     default:
       return true;
   }

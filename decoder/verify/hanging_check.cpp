@@ -23,15 +23,9 @@ namespace tagsmith::detail {
 
 namespace {
 
-// True when all that is wrong is that the camera's note of its up has the tag on its head.
-bool is_doubted_by_camera(const VerifiedTag& tag) {
-  return tag.status == TagStatus::doubtful && tag.rule == "upside-down";
-}
-
 // A tag that may tell where it hangs: in the survey, and in this picture once.
 bool tells(const VerifiedTag& tag) {
-  return tag.status == TagStatus::ok || tag.status == TagStatus::misplaced ||
-         is_doubted_by_camera(tag);
+  return tag.status == TagStatus::ok || tag.status == TagStatus::misplaced || tag.doubts_up();
 }
 
 void set_finding(VerifiedTag& tag, Finding finding) {
@@ -229,7 +223,7 @@ void judge_up(const Survey& survey, const HangingSetup& setup, const HungTags& h
                              "upside down, or is a mirrored print"});
       continue;
     }
-    if (is_doubted_by_camera(tag)) set_finding(tag, {});
+    if (tag.doubts_up()) set_finding(tag, {});
     if (hung.nothing_fits) continue;
     if (auto turned = find_turned(survey, setup.rig, camera, tag)) {
       set_finding(tag, std::move(*turned));

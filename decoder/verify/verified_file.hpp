@@ -64,6 +64,9 @@ struct Finding {
 
   // `cut_off` is no fault.
   bool is_fault() const { return status != TagStatus::ok && status != TagStatus::cut_off; }
+  bool is_upside_down() const { return rule == "upside-down"; }
+  // Upside down by the camera's note alone (EXIF): the tag hangs so, or the note is wrong.
+  bool doubts_up() const { return status == TagStatus::doubtful && is_upside_down(); }
 };
 
 // The picture of a fault, for people: a tag and its surroundings, or a photo or page without any

@@ -30,7 +30,7 @@ FaultRecord fault_of(const VerifiedFile& file, VerifiedTag& tag) {
   fault.orientation = file.orientation.value_or(1);
   if (file.is_photo()) fault.corners = tag.corners;
   if (tag.digits) fault.code = to_string(*tag.digits);
-  fault.is_question = tag.status == TagStatus::doubtful && tag.rule == "upside-down";
+  fault.is_question = tag.doubts_up();
   return fault;
 }
 
@@ -48,7 +48,7 @@ FaultRecord fault_of(const VerifiedFile& file, const std::string& rule) {
 void count_noted_up(NotedUp& noted, UpSource up, const VerifiedTag& tag) {
   const bool in_order = tag.status == TagStatus::ok;
   if (up == UpSource::camera && in_order) ++noted.upright;
-  if (up == UpSource::doubted && (in_order || tag.rule == "upside-down")) ++noted.on_head;
+  if (up == UpSource::doubted && (in_order || tag.is_upside_down())) ++noted.on_head;
 }
 
 void add_grade(TagRecord& record, const SymbolGrade& grade) {
