@@ -15,9 +15,9 @@ VerifiedTag tag_from(const detail::VerifiedTag& tag) {
   VerifiedTag verified;
   verified.tag = tag.tag;
   if (tag.digits) verified.digits = detail::to_string(*tag.digits);
-  verified.status = static_cast<TagStatus>(tag.status);
-  verified.rule = tag.rule;
-  verified.message = tag.message;
+  verified.status = static_cast<TagStatus>(tag.finding.status);
+  verified.rule = tag.finding.rule;
+  verified.message = tag.finding.message;
   verified.corners = detail::corners_from(tag.corners);
   verified.page = tag.page;
   if (tag.grade) verified.grade = tag.grade->grade;

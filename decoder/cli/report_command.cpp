@@ -100,11 +100,10 @@ void judge_by_codes(const Survey& survey, VerifiedFile& line) {
     tag.tag = same != nullptr ? same->name : "";
     tag.hung.reset();
     // From places that may have changed since.
-    if (tag.status == TagStatus::misplaced) static_cast<Finding&>(tag) = {};
-    if (same != nullptr || tag.status == TagStatus::unknown) continue;
-    static_cast<Finding&>(tag) = {
-        TagStatus::unknown, "not-in-survey",
-        fmt::format("{} is not in survey {}", to_string(*tag.digits), survey.name)};
+    if (tag.finding.status == TagStatus::misplaced) tag.finding = {};
+    if (same != nullptr || tag.finding.status == TagStatus::unknown) continue;
+    tag.finding = {TagStatus::unknown, "not-in-survey",
+                   fmt::format("{} is not in survey {}", to_string(*tag.digits), survey.name)};
   }
 }
 

@@ -55,8 +55,8 @@ namespace {
 constexpr double kPoor = 1.5;  // grades below it are poor
 
 std::array<std::uint8_t, 3> colour_of(const VerifiedTag& tag) {
-  if (tag.status == TagStatus::cut_off) return {96, 104, 112};
-  if (tag.status != TagStatus::ok) return {190, 20, 20};
+  if (tag.finding.status == TagStatus::cut_off) return {96, 104, 112};
+  if (tag.finding.status != TagStatus::ok) return {190, 20, 20};
   return tag.grade && tag.grade->grade < kPoor ? std::array<std::uint8_t, 3>{190, 100, 0}
                                                : std::array<std::uint8_t, 3>{10, 120, 50};
 }
@@ -78,12 +78,12 @@ std::vector<std::string> words_of(const VerifiedTag& tag) {
   constexpr std::size_t kLine = 46;
   constexpr std::size_t kMostLines = 4;
   std::string first = tag.tag.empty() ? std::string() : tag.tag + "  ";
-  first += to_string(tag.status);
+  first += to_string(tag.finding.status);
   if (tag.grade) first += "  grade " + to_string(*tag.grade);
-  if (!tag.rule.empty()) first += "  " + tag.rule;
+  if (!tag.finding.rule.empty()) first += "  " + tag.finding.rule;
   std::vector<std::string> lines{first};
-  if (tag.message.empty()) return lines;
-  std::vector<std::string> more = wrapped(tag.message, kLine);
+  if (tag.finding.message.empty()) return lines;
+  std::vector<std::string> more = wrapped(tag.finding.message, kLine);
   if (more.size() > kMostLines) {
     more.resize(kMostLines);
     more.back() += " ...";
@@ -167,7 +167,7 @@ void print_in_words(const VerifiedFile& file) {
   const std::vector<std::string> findings = findings_of(file);
   std::vector<std::string> good;
   for (const VerifiedTag& tag : file.tags) {
-    if (tag.status == TagStatus::ok) good.push_back(good_in_words(tag));
+    if (tag.finding.status == TagStatus::ok) good.push_back(good_in_words(tag));
   }
   const bool is_without_tag = file.only_lacks_tags();
   to_stdout("{}: {}{}{}\n", file.file.string(),
@@ -355,7 +355,7 @@ void print(const VerifyCommandOptions& options, const VerifiedFile& file) {
 // Crops and the copy of a photo, of what only all photos together showed.
 Result<void> save_late_pictures(const VerifyCommandOptions& options, VerifiedFile& file) {
   const auto lacks_crop = [](const VerifiedTag& tag) {
-    return tag.is_fault() && tag.picture.file.empty() && tag.picture.jpeg.empty();
+    return tag.finding.is_fault() && tag.picture.file.empty() && tag.picture.jpeg.empty();
   };
   const bool late = options.wants_crops() && std::ranges::any_of(file.tags, lacks_crop);
   if (file.sha256.empty() || (!late && options.annotate.empty())) return {};

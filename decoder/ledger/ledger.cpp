@@ -219,8 +219,8 @@ int insert(sqlite3* database, sqlite3_int64 photo, std::size_t place, const Veri
   Statement row(database,
                 "INSERT INTO plate VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   row.put_whole(photo).put_whole(static_cast<sqlite3_int64>(place)).put(tag.tag);
-  row.put(tag.digits ? to_string(*tag.digits) : "").put(to_string(tag.status));
-  row.put(tag.rule).put(tag.message);
+  row.put(tag.digits ? to_string(*tag.digits) : "").put(to_string(tag.finding.status));
+  row.put(tag.finding.rule).put(tag.finding.message);
   row.put(tag.digits ? std::optional(tag.module_px) : std::nullopt);
   row.put(tag.grade ? std::optional(tag.grade->grade) : std::nullopt);
   for (const GradeParameter parameter : kWearParameters) {

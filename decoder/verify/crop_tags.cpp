@@ -33,7 +33,8 @@ std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& 
 void crop_faults(const GrayView& image, std::vector<VerifiedTag>& tags, int orientation) {
   for (VerifiedTag& tag : tags) {
     const FaultPicture& shown = tag.picture;
-    if (!tag.is_fault() || shown.image || !shown.jpeg.empty() || !shown.file.empty()) continue;
+    const bool is_shown = shown.image || !shown.jpeg.empty() || !shown.file.empty();
+    if (is_shown || !tag.finding.is_fault()) continue;
     tag.picture.image = crop_around(image, tag.corners, orientation);
   }
 }

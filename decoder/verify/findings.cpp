@@ -349,11 +349,11 @@ void find_faults(PictureEvidence& evidence) {
   for (const FindFault find : kFindings) {
     std::vector<std::optional<Finding>> found;
     for (const TagEvidence& seen : evidence.tags) {
-      const bool in_order = seen.tag.status == TagStatus::ok;
+      const bool in_order = seen.tag.finding.status == TagStatus::ok;
       found.push_back(in_order ? find(evidence, seen) : std::nullopt);
     }
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (found[i]) static_cast<Finding&>(evidence.tags[i].tag) = std::move(*found[i]);
+      if (found[i]) evidence.tags[i].tag.finding = std::move(*found[i]);
     }
   }
 }
@@ -383,7 +383,7 @@ std::optional<Finding> find_duplicate(const PictureEvidence& evidence, const Tag
   if (seen.sight != Sight::read) return std::nullopt;
   const auto first = std::ranges::find_if(evidence.tags, [&](const TagEvidence& other) {
     return other.sight == Sight::read && other.tag.tag == seen.tag.tag &&
-           other.tag.status == TagStatus::ok;
+           other.tag.finding.status == TagStatus::ok;
   });
   if (&*first == &seen) return std::nullopt;
   return Finding{TagStatus::duplicate, "duplicate",
@@ -505,7 +505,7 @@ std::optional<Finding> find_wrong_scale(const PictureEvidence& evidence, const T
 // A tag that an earlier page of the file holds.
 std::optional<Finding> find_repeated(const PictureEvidence& evidence, const TagEvidence& seen) {
   for (const VerifiedTag& earlier : evidence.other_pages) {
-    if (earlier.status != TagStatus::ok || earlier.tag != seen.tag.tag) continue;
+    if (earlier.finding.status != TagStatus::ok || earlier.tag != seen.tag.tag) continue;
     return Finding{
         TagStatus::duplicate, "duplicate",
         fmt::format("{} is on page {} already, expected once", seen.tag.tag, earlier.page)};

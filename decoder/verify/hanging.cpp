@@ -168,7 +168,7 @@ std::vector<Contradiction> contradictions_of(const PictureEvidence& evidence,
                                              const TagEvidence& seen) {
   constexpr double kLeastModule = 2;  // pixels
   const auto is_clear = [](const TagEvidence& tag) {
-    return tag.tag.status == TagStatus::ok && tag.tag.module_px >= kLeastModule;
+    return tag.tag.finding.status == TagStatus::ok && tag.tag.module_px >= kLeastModule;
   };
   std::vector<Contradiction> all;
   if (!is_clear(seen)) return all;

@@ -25,11 +25,8 @@ namespace {
 
 // A tag that may tell where it hangs: in the survey, and in this picture once.
 bool tells(const VerifiedTag& tag) {
-  return tag.status == TagStatus::ok || tag.status == TagStatus::misplaced || tag.doubts_up();
-}
-
-void set_finding(VerifiedTag& tag, Finding finding) {
-  static_cast<Finding&>(tag) = std::move(finding);
+  const Finding& found = tag.finding;
+  return found.status == TagStatus::ok || found.status == TagStatus::misplaced || found.doubts_up();
 }
 
 constexpr const char* kMixedPhotos = "mixed-photos";
@@ -42,7 +39,7 @@ void forget_hanging(VerifiedFile& file) {
   for (VerifiedTag& tag : file.tags) {
     const bool is_of_hanging = tag.hung && (tag.hung->verdict == HangVerdict::off ||
                                             tag.hung->verdict == HangVerdict::doubtful);
-    if (is_of_hanging || tag.rule == kTurned) set_finding(tag, {});
+    if (is_of_hanging || tag.finding.rule == kTurned) tag.finding = {};
     tag.hung.reset();
     tag.in_place_of.clear();
   }
@@ -73,7 +70,7 @@ std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const Verifi
 
 bool is_stranger(const VerifiedTag& tag) {
   return tag.digits && tag.tag.empty() &&
-         (tag.status == TagStatus::unknown || tag.status == TagStatus::misprinted);
+         (tag.finding.status == TagStatus::unknown || tag.finding.status == TagStatus::misprinted);
 }
 
 // The photo's tags that tell where they hang, by its camera, and those that the survey does not
@@ -118,18 +115,19 @@ const HungTag* find_hung(const HungTags& hung, const std::optional<PhotoOrigin>&
 
 void judge_place(const HungTag& hung, VerifiedTag& tag) {
   tag.hung = hung;
+  Finding& found = tag.finding;
   switch (hung.verdict) {
     case HangVerdict::unchecked:
       return;
     case HangVerdict::fits:
-      if (tag.status != TagStatus::ok) set_finding(tag, {TagStatus::ok, hung.rule, hung.message});
+      if (found.status != TagStatus::ok) found = {TagStatus::ok, hung.rule, hung.message};
       return;
     case HangVerdict::off:
-      set_finding(tag, {TagStatus::misplaced, hung.rule, hung.message});
+      found = {TagStatus::misplaced, hung.rule, hung.message};
       return;
     case HangVerdict::doubtful:
-      if (tag.status == TagStatus::misplaced) return;  // what the photo shows by itself tells more
-      set_finding(tag, {TagStatus::doubtful, hung.rule, hung.message});
+      if (found.status == TagStatus::misplaced) return;  // the photo by itself shows more
+      found = {TagStatus::doubtful, hung.rule, hung.message};
   }
 }
 
@@ -189,7 +187,8 @@ std::optional<Finding> find_turned(const Survey& survey, const Rig& rig, const R
                                    const VerifiedTag& tag) {
   constexpr double kSurely = 4;  // standard deviations
   const double least = radians(8);
-  if (tag.status != TagStatus::ok || (tag.hung && tag.hung->verdict != HangVerdict::unchecked)) {
+  if (tag.finding.status != TagStatus::ok ||
+      (tag.hung && tag.hung->verdict != HangVerdict::unchecked)) {
     return std::nullopt;
   }
   const double sigma = Eigen::Vector4d(rig.roll_sigma, rig.pitch_sigma,
@@ -217,16 +216,16 @@ void judge_up(const Survey& survey, const HangingSetup& setup, const HungTags& h
     if (!tells(tag) || !hangs_upright(survey, tag)) continue;
     const RigCamera& camera = setup.rig.cameras[origin->camera];
     if (is_on_head(camera, tag)) {
-      set_finding(tag,
-                  {TagStatus::misprinted, "upside-down",
-                   tag.tag + " is upside down, by the camera's mounting on the vehicle: it hangs "
-                             "upside down, or is a mirrored print"});
+      tag.finding = {TagStatus::misprinted, "upside-down",
+                     fmt::format("{} is upside down, by the camera's mounting on the vehicle: it "
+                                 "hangs upside down, or is a mirrored print",
+                                 tag.tag)};
       continue;
     }
-    if (tag.doubts_up()) set_finding(tag, {});
+    if (tag.finding.doubts_up()) tag.finding = {};
     if (hung.nothing_fits) continue;
     if (auto turned = find_turned(survey, setup.rig, camera, tag)) {
-      set_finding(tag, std::move(*turned));
+      tag.finding = std::move(*turned);
     }
   }
 }

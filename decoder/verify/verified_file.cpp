@@ -21,22 +21,22 @@ std::string to_string(UpSource source) {
 }
 
 std::string in_words(const VerifiedTag& tag) {
-  return to_string(tag.status) + ": " + message_of(tag);
+  return to_string(tag.finding.status) + ": " + message_of(tag);
 }
 
 std::string message_of(const VerifiedTag& tag) {
   if (!tag.in_place_of.empty()) {
     return fmt::format("{}; it hangs where {} should, which no photo shows: hang {} there",
-                       tag.message, tag.in_place_of, tag.in_place_of);
+                       tag.finding.message, tag.in_place_of, tag.in_place_of);
   }
-  if (!tag.hung || tag.hung->placed.empty()) return tag.message;
+  if (!tag.hung || tag.hung->placed.empty()) return tag.finding.message;
   return fmt::format("{}; or, when it stays, write it into the survey's `placed`: - {}",
-                     tag.message, tag.hung->placed);
+                     tag.finding.message, tag.hung->placed);
 }
 
 bool VerifiedFile::only_lacks_tags() const {
   return is_photo() && rules == std::set<std::string>{"no-tag"} &&
-         std::ranges::none_of(tags, &VerifiedTag::is_fault);
+         std::ranges::none_of(tags, &Finding::is_fault, &VerifiedTag::finding);
 }
 
 void VerifiedFile::add_finding(std::string_view rule, std::string words) {
@@ -47,7 +47,7 @@ void VerifiedFile::add_finding(std::string_view rule, std::string words) {
 std::vector<std::string> findings_of(const VerifiedFile& file) {
   std::vector<std::string> words = file.findings;
   for (const VerifiedTag& tag : file.tags) {
-    if (!tag.is_fault()) continue;
+    if (!tag.finding.is_fault()) continue;
     words.push_back((tag.page == 0 ? "" : fmt::format("page {}: ", tag.page)) + in_words(tag));
   }
   return words;
@@ -56,7 +56,7 @@ std::vector<std::string> findings_of(const VerifiedFile& file) {
 std::set<std::string> rules_of(const VerifiedFile& file) {
   std::set<std::string> rules = file.rules;
   for (const VerifiedTag& tag : file.tags) {
-    if (tag.is_fault()) rules.insert(tag.rule);
+    if (tag.finding.is_fault()) rules.insert(tag.finding.rule);
   }
   return rules;
 }

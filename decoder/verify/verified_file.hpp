@@ -78,7 +78,8 @@ struct FaultPicture {
 };
 
 // One tag in one picture.
-struct VerifiedTag : Finding {
+struct VerifiedTag {
+  Finding finding;
   std::string tag;               // the survey's name for it; empty when it has none
   std::optional<Digits> digits;  // as read; nothing when unreadable
   FrameCorners corners{};        // pixels of the picture, or of the page as rasterised

@@ -203,7 +203,7 @@ bool judge(const VerifyRequest& request, PictureEvidence& evidence, VerifiedFile
   std::vector<VerifiedTag> tags;
   for (TagEvidence& seen : evidence.tags) {
     VerifiedTag& tag = tags.emplace_back(std::move(seen.tag));
-    if (tag.status != TagStatus::ok) continue;
+    if (tag.finding.status != TagStatus::ok) continue;
     grade_tag(image, evidence.survey.tag_template, tag);
     if (evidence.page == 0) note_dirt(evidence, tag, file);
   }
@@ -285,7 +285,9 @@ Result<VerifiedFile> verify_photo(const Task& task) {
   see_tags(request.read, evidence);
   find_up(request, evidence, file);
   judge(request, evidence, file);
-  const auto is_cut_off = [](const VerifiedTag& tag) { return tag.status == TagStatus::cut_off; };
+  const auto is_cut_off = [](const VerifiedTag& tag) {
+    return tag.finding.status == TagStatus::cut_off;
+  };
   if (std::ranges::all_of(file.tags, is_cut_off)) find_no_tag(request, file, image);
   return file;
 }

@@ -102,7 +102,7 @@ Json to_json(const CornerCovariance& covariance) {
 
 Json to_json(const VerifiedTag& tag) {
   Json object{{"tag", tag.tag.empty() ? Json() : Json(tag.tag)},
-              {"status", to_string(tag.status)},
+              {"status", to_string(tag.finding.status)},
               {"digits", tag.digits ? Json(to_string(*tag.digits)) : Json()},
               {"corners", to_json(tag.corners)}};
   if (tag.digits) {
@@ -114,9 +114,9 @@ Json to_json(const VerifiedTag& tag) {
   }
   add_grade(tag, object);
   if (tag.page > 0) object["page"] = tag.page;
-  if (!tag.message.empty()) object["message"] = tag.message;
-  if (!tag.rule.empty()) object["rule"] = tag.rule;
-  if (const Rule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
+  if (!tag.finding.message.empty()) object["message"] = tag.finding.message;
+  if (!tag.finding.rule.empty()) object["rule"] = tag.finding.rule;
+  if (const Rule* rule = find_verify_rule(tag.finding.rule)) object["remedy"] = rule->remedy;
   if (!tag.picture.file.empty()) object["crop"] = tag.picture.file;
   if (tag.hung) object["hanging"] = hanging_of(*tag.hung);
   if (!tag.in_place_of.empty()) object["in_place_of"] = tag.in_place_of;
@@ -313,9 +313,10 @@ HungTag hung_from(const json& object, const VerifiedTag& tag) {
 VerifiedTag tag_from(const json& object) {
   VerifiedTag tag;
   tag.tag = get_or<std::string>(object, "tag");
-  tag.status = value_of(kTagStatuses, object.at("status").get<std::string>(), TagStatus::unknown);
-  tag.rule = get_or<std::string>(object, "rule");
-  tag.message = get_or<std::string>(object, "message");
+  tag.finding.status =
+      value_of(kTagStatuses, object.at("status").get<std::string>(), TagStatus::unknown);
+  tag.finding.rule = get_or<std::string>(object, "rule");
+  tag.finding.message = get_or<std::string>(object, "message");
   // A line without corners is of an older version, and cannot be used as a reading.
   if (object.contains("corners")) {
     tag.corners = corners_from(object["corners"]);
@@ -370,10 +371,10 @@ VerifiedFile file_from(const json& object) {
   file.mixed = get_or<std::vector<std::string>>(object, "mixed");
   // The rest concerns the file as a whole.
   for (const VerifiedTag& tag : file.tags) {
-    if (!tag.is_fault()) continue;
+    if (!tag.finding.is_fault()) continue;
     const auto of_tag = [&](const std::string& words) { return words.ends_with(in_words(tag)); };
     std::erase_if(file.findings, of_tag);
-    file.rules.erase(tag.rule);
+    file.rules.erase(tag.finding.rule);
   }
   file.stale = get_or(object, "stale", false);
   file.up = value_of(kUpSources, get_or<std::string>(object, "up"), UpSource::unknown);

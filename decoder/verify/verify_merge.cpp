@@ -25,12 +25,13 @@ void add_fault(VerifyMerge& merged, FaultRecord fault) {
 
 // The corners begin anywhere: where the fault is in the photo, not how it stands.
 FaultRecord fault_of(const VerifiedFile& file, VerifiedTag& tag) {
-  FaultRecord fault{file.file.string(), tag.tag, tag.rule, message_of(tag), std::move(tag.picture)};
+  FaultRecord fault{file.file.string(), tag.tag, tag.finding.rule, message_of(tag),
+                    std::move(tag.picture)};
   fault.sha256 = file.sha256;
   fault.orientation = file.orientation.value_or(1);
   if (file.is_photo()) fault.corners = tag.corners;
   if (tag.digits) fault.code = to_string(*tag.digits);
-  fault.is_question = tag.doubts_up();
+  fault.is_question = tag.finding.doubts_up();
   return fault;
 }
 
@@ -46,9 +47,9 @@ FaultRecord fault_of(const VerifiedFile& file, const std::string& rule) {
 }
 
 void count_noted_up(NotedUp& noted, UpSource up, const VerifiedTag& tag) {
-  const bool in_order = tag.status == TagStatus::ok;
+  const bool in_order = tag.finding.status == TagStatus::ok;
   if (up == UpSource::camera && in_order) ++noted.upright;
-  if (up == UpSource::doubted && (in_order || tag.is_upside_down())) ++noted.on_head;
+  if (up == UpSource::doubted && (in_order || tag.finding.is_upside_down())) ++noted.on_head;
 }
 
 void add_grade(TagRecord& record, const SymbolGrade& grade) {
@@ -75,19 +76,19 @@ void add_faulty(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged)
   if (!tag.tag.empty()) {
     TagRecord& record = merged.tags[tag.tag];
     ++record.faults;
-    record.doubts += tag.status == TagStatus::doubtful ? 1 : 0;
+    record.doubts += tag.finding.status == TagStatus::doubtful ? 1 : 0;
   }
   add_fault(merged, fault_of(file, tag));
 }
 
 void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
-  if (tag.status == TagStatus::cut_off) return;
+  if (tag.finding.status == TagStatus::cut_off) return;
   merged.shows_tag = merged.shows_tag || file.is_photo();
   if (tag.hung && tag.hung->verdict != HangVerdict::unchecked) add_hung(tag.tag, *tag.hung, merged);
   count_noted_up(merged.noted_up, file.up, tag);
-  const bool in_order = tag.status == TagStatus::ok;
+  const bool in_order = tag.finding.status == TagStatus::ok;
   if (!tag.tag.empty()) ++merged.own_tags;
-  if (tag.status == TagStatus::unknown && tag.tag.empty() && tag.digits) {
+  if (tag.finding.status == TagStatus::unknown && tag.tag.empty() && tag.digits) {
     merged.other_codes.insert(to_string(*tag.digits));
   }
   if (in_order || !tag.tag.empty()) {
@@ -110,7 +111,8 @@ std::uint64_t fault_hash(const std::string& identity, const std::string& words) 
 
 void know_faults(const std::string& identity, const VerifiedFile& file, VerifyMerge& merged) {
   for (const VerifiedTag& tag : file.tags) {
-    if (tag.is_fault()) merged.known.insert(fault_hash(identity, tag.tag + tag.rule));
+    if (tag.finding.is_fault())
+      merged.known.insert(fault_hash(identity, tag.tag + tag.finding.rule));
   }
   for (const std::string& rule : file.rules) merged.known.insert(fault_hash(identity, rule));
 }
@@ -123,9 +125,9 @@ void add_new_faults(const std::string& identity, VerifiedFile& file, VerifyMerge
   };
   std::set<std::string> rules = file.rules;
   for (VerifiedTag& tag : file.tags) {
-    if (!tag.is_fault()) continue;
-    rules.erase(tag.rule);
-    if (is_new(tag.tag + tag.rule)) add_faulty(file, tag, merged);
+    if (!tag.finding.is_fault()) continue;
+    rules.erase(tag.finding.rule);
+    if (is_new(tag.tag + tag.finding.rule)) add_faulty(file, tag, merged);
   }
   if (file.only_lacks_tags()) return;
   for (const std::string& rule : rules) {
@@ -189,7 +191,7 @@ void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) 
   if (!only_lacks_tags && !findings_of(file).empty()) ++merged.files_with_findings;
   if (file.stale) merged.stale.push_back(file.file.string());
   for (const VerifiedTag& tag : file.tags) {
-    ++merged.by_status[static_cast<std::size_t>(tag.status)];
+    ++merged.by_status[static_cast<std::size_t>(tag.finding.status)];
   }
   const std::string identity = identity_of(file);
   const bool is_new = merged.known.insert(std::hash<std::string>{}(identity)).second;
@@ -207,7 +209,7 @@ void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) 
   }
   std::set<std::string> rules = file.rules;
   for (VerifiedTag& tag : file.tags) {
-    if (tag.is_fault()) rules.erase(tag.rule);
+    if (tag.finding.is_fault()) rules.erase(tag.finding.rule);
     add_tag(file, tag, merged);
   }
   if (only_lacks_tags) {

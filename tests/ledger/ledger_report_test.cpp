@@ -203,9 +203,9 @@ TEST_CASE("a plate is known by its digits, whatever the survey called it") {
   VerifiedFile photo = photo_of_wall(survey, 1, "003L");
   photo.revision = "another";
   VerifiedTag& seen = photo.tags[0];
-  seen.status = TagStatus::misprinted;
-  seen.rule = "bent";
-  seen.message = "is bent";
+  seen.finding.status = TagStatus::misprinted;
+  seen.finding.rule = "bent";
+  seen.finding.message = "is bent";
   seen.digits = find_tag(survey, std::string_view("002L"))->digits;
   REQUIRE(ledger.enter(survey.name, std::array{photo}));
   const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
@@ -220,8 +220,8 @@ TEST_CASE("a plate that was not read keeps its fault when the survey is edited")
   photo.revision = "another";
   photo.tags.resize(1);
   VerifiedTag& covered = photo.tags[0];
-  covered.status = TagStatus::unreadable;
-  covered.rule = "covered";
+  covered.finding.status = TagStatus::unreadable;
+  covered.finding.rule = "covered";
   covered.digits.reset();
   REQUIRE(ledger.enter(survey.name, std::array{photo}));
   const auto to_clean = [&] {
@@ -244,8 +244,8 @@ TEST_CASE("a plate that was never read is no other plate that has its name now")
   VerifiedFile photo = photo_of_wall(survey, 1, "003L");
   photo.revision = "another";
   photo.tags.resize(2);
-  photo.tags[0].status = TagStatus::unreadable;
-  photo.tags[0].rule = "covered";
+  photo.tags[0].finding.status = TagStatus::unreadable;
+  photo.tags[0].finding.rule = "covered";
   photo.tags[0].digits.reset();
   photo.tags[1].digits = find_tag(survey, std::string_view("004L"))->digits;  // names have moved
   REQUIRE(ledger.enter(survey.name, std::array{photo}));

@@ -103,7 +103,7 @@ TEST_CASE("what is entered is read back") {
   VerifiedFile photo = numbered_photo(1);
   photo.up = UpSource::camera;
   VerifiedTag& moved = photo.tags[1];
-  static_cast<Finding&>(moved) = {TagStatus::misplaced, "moved", "raise it"};
+  moved.finding = {TagStatus::misplaced, "moved", "raise it"};
   moved.hung = HungTag{
       moved.tag, HangVerdict::off, 2, {{0.001, -0.03, 0}, {0.002, 0.002, 0.002}}, {}, {}, "", ""};
   enter(path, {photo});

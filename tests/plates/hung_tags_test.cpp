@@ -429,9 +429,9 @@ TEST_CASE("photos that no place of the cameras explains are findings of their ta
   hung.tags = {HungTag{"001R", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
   hung.unplaced = {{setup.cameras.origin_of(photos[1].file)->station, {*copy}}};
   for (VerifiedFile& photo : photos) judge_hanging(corridor.survey, setup, hung, photo);
-  CHECK(photos[0].tags[0].status == TagStatus::ok);
+  CHECK(photos[0].tags[0].finding.status == TagStatus::ok);
   CHECK(findings_of(photos[0]).empty());
-  CHECK(photos[1].tags[0].status == TagStatus::doubtful);
+  CHECK(photos[1].tags[0].finding.status == TagStatus::doubtful);
   CHECK(rules_of(photos[1]) == std::set<std::string>{"no-common-place"});
 }
 
@@ -626,13 +626,13 @@ TEST_CASE("of photos whose camera is not known twenty are named, and more are co
 TEST_CASE("what was found is written into the files, in place of what was said before") {
   const Corridor corridor;
   VerifiedFile photo = photo_of("001L", corridor.survey);
-  static_cast<Finding&>(photo.tags[0]) = {TagStatus::misplaced, "swapped", "the picture's order"};
+  photo.tags[0].finding = {TagStatus::misplaced, "swapped", "the picture's order"};
   const HangingSetup setup{corridor.rig, PhotoCameras::by_names(corridor.rig)};
   HungTags hung;
   hung.revision = survey_revision(corridor.survey);
   hung.tags = {HungTag{"001L", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
   judge_hanging(corridor.survey, setup, hung, photo);
-  CHECK(photo.tags[0].status == TagStatus::ok);
+  CHECK(photo.tags[0].finding.status == TagStatus::ok);
   CHECK(findings_of(photo).empty());
   CHECK(rules_of(photo).empty());
 
@@ -645,7 +645,7 @@ TEST_CASE("what was found is written into the files, in place of what was said b
 
   hung.tags.clear();
   judge_hanging(corridor.survey, setup, hung, photo);
-  CHECK(photo.tags[0].status == TagStatus::ok);
+  CHECK(photo.tags[0].finding.status == TagStatus::ok);
 }
 
 TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on their head") {
@@ -664,8 +664,8 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
     judge_hanging(survey, setup, hung, photo);
     return photo;
   };
-  CHECK(judged(upright).tags[0].status == TagStatus::ok);
-  CHECK(judged(on_head).tags[0].rule == "upside-down");
+  CHECK(judged(upright).tags[0].finding.status == TagStatus::ok);
+  CHECK(judged(on_head).tags[0].finding.rule == "upside-down");
   CHECK(judged(on_head).up == UpSource::rig);
 
   // What the camera's note made doubtful is in order when the rig's stance says so, and else wrong.
@@ -673,17 +673,17 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
     VerifiedFile doubted = photo;
     doubted.up = UpSource::doubted;
     doubted.notes = {"all 2 tags" + std::string(kDoubtedUp), "damaged"};
-    static_cast<Finding&>(doubted.tags[0]) = {TagStatus::doubtful, "upside-down", "on its head"};
+    doubted.tags[0].finding = {TagStatus::doubtful, "upside-down", "on its head"};
     doubted = judged(doubted);
-    const bool is_wrong = judged(photo).tags[0].status != TagStatus::ok;
-    CHECK(doubted.tags[0].status == (is_wrong ? TagStatus::misprinted : TagStatus::ok));
+    const bool is_wrong = judged(photo).tags[0].finding.status != TagStatus::ok;
+    CHECK(doubted.tags[0].finding.status == (is_wrong ? TagStatus::misprinted : TagStatus::ok));
     CHECK(findings_of(doubted).size() == (is_wrong ? 1 : 0));
     CHECK(doubted.notes == std::vector<std::string>{"damaged"});
     CHECK(doubted.up == UpSource::rig);
   }
 
   setup.rig.roll_sigma = radians(60);
-  CHECK(judged(on_head).tags[0].status == TagStatus::ok);
+  CHECK(judged(on_head).tags[0].finding.status == TagStatus::ok);
 }
 
 TEST_CASE("a plate that hangs by one screw, alone in its photo, is told by the rig's mounting") {
@@ -709,11 +709,11 @@ TEST_CASE("a plate that hangs by one screw, alone in its photo, is told by the r
       HungTags hung;
       hung.revision = survey_revision(corridor.survey);
       judge_hanging(corridor.survey, setup, hung, photo);
-      CHECK(photo.tags[0].rule == (std::abs(by) > 10 ? "turned" : ""));
+      CHECK(photo.tags[0].finding.rule == (std::abs(by) > 10 ? "turned" : ""));
       const std::string way = by > 10 ? " clockwise by" : by < -10 ? " anticlockwise by" : "";
-      CHECK(photo.tags[0].message.find(way) != std::string::npos);
+      CHECK(photo.tags[0].finding.message.find(way) != std::string::npos);
       judge_hanging(corridor.survey, setup, hung, photo);
-      CHECK(photo.tags[0].rule == (std::abs(by) > 10 ? "turned" : ""));
+      CHECK(photo.tags[0].finding.rule == (std::abs(by) > 10 ? "turned" : ""));
     }
   }
 }

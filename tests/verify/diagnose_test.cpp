@@ -78,8 +78,8 @@ TEST_CASE("a refusal without a measured cause says what is suspected") {
     refused.rejected.push_back({reason, read.tags[0].corners});
     const std::vector<VerifiedTag> tags =
         tags_in(image, 1, [&](auto&, auto&) { return std::exchange(refused, {}); });
-    CHECK(tags.at(0).rule == "undecodable");
-    return tags[0].message;
+    CHECK(tags.at(0).finding.rule == "undecodable");
+    return tags[0].finding.message;
   };
   CHECK(words(RejectionReason::element_widths).find("Dirt, a scratch or a cable") !=
         std::string::npos);
@@ -98,7 +98,7 @@ TEST_CASE("a tag that is in order has no diagnosis") {
       CAPTURE(distance);
       const std::vector<VerifiedTag> tags = found_in({distance, yaw});
       REQUIRE(tags.size() == 1);
-      CHECK(tags[0].status == TagStatus::ok);
+      CHECK(tags[0].finding.status == TagStatus::ok);
     }
   }
 }
@@ -178,10 +178,10 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
     CAPTURE(c.name);
     const std::vector<VerifiedTag> tags = found_in(c.shot);
     REQUIRE(tags.size() == 1);
-    CAPTURE(tags[0].message);
-    CHECK(tags[0].status == TagStatus::unreadable);
-    CHECK(tags[0].rule == c.rule);
-    CHECK(tags[0].message.find(c.measured) != std::string::npos);
+    CAPTURE(tags[0].finding.message);
+    CHECK(tags[0].finding.status == TagStatus::unreadable);
+    CHECK(tags[0].finding.rule == c.rule);
+    CHECK(tags[0].finding.message.find(c.measured) != std::string::npos);
   }
 }
 
@@ -248,15 +248,15 @@ TEST_CASE("the place on a plate is told as one sees it upright, however the came
     CAPTURE(orientation);
     const std::vector<VerifiedTag> tags = found_in(cable, orientation);
     REQUIRE(tags.size() == 1);
-    CAPTURE(tags[0].message);
-    CHECK(tags[0].message.find("damaged (limit 5 %), at the middle left (the") !=
+    CAPTURE(tags[0].finding.message);
+    CHECK(tags[0].finding.message.find("damaged (limit 5 %), at the middle left (the") !=
           std::string::npos);
   }
   // On its head, and nothing says so.
   CHECK(
       found_in(cable, std::nullopt)
           .at(0)
-          .message.find(
+          .finding.message.find(
               "damaged (limit 5 %), at the middle right as the picture stands (which way is up") !=
       std::string::npos);
 }

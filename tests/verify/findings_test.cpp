@@ -64,9 +64,10 @@ TEST_CASE("a reading becomes a finding against the survey") {
     CAPTURE(one.name);
     const auto findings = check_tags(survey_of_four(), {{reading_of(one.digits)}, {}});
     REQUIRE(findings.size() == 1);
-    CHECK(to_string(findings[0].status) == to_string(one.status));
+    CHECK(to_string(findings[0].finding.status) == to_string(one.status));
     CHECK(findings[0].tag == one.tag);
-    CHECK_MESSAGE(findings[0].message.find(one.message) != std::string::npos, findings[0].message);
+    CHECK_MESSAGE(findings[0].finding.message.find(one.message) != std::string::npos,
+                  findings[0].finding.message);
     CHECK(to_string(*findings[0].digits) == one.digits);
   }
 }
@@ -77,11 +78,11 @@ TEST_CASE("a tag seen twice in one picture is a duplicate, and a refusal is unre
   readings.rejected = {{RejectionReason::guard_pattern, rectangle(50, 20)}};
   const auto findings = check_tags(survey_of_four(), readings);
   REQUIRE(findings.size() == 3);
-  CHECK(findings[0].status == TagStatus::ok);
-  CHECK(findings[1].status == TagStatus::duplicate);
+  CHECK(findings[0].finding.status == TagStatus::ok);
+  CHECK(findings[1].finding.status == TagStatus::duplicate);
   CHECK(findings[1].corners[0].x == 600);
-  CHECK(findings[2].status == TagStatus::unreadable);
-  CHECK(findings[2].message.find(describe(readings.rejected[0])) != std::string::npos);
+  CHECK(findings[2].finding.status == TagStatus::unreadable);
+  CHECK(findings[2].finding.message.find(describe(readings.rejected[0])) != std::string::npos);
   CHECK(!findings[2].digits);
 }
 
@@ -91,7 +92,7 @@ TEST_CASE("a refusal near the edge of a photo is cut off, one in its middle unre
     for (PixelPoint& corner : corners) corner = corner + PixelPoint{x - 10, y - 20};
     const auto findings =
         check_tags(survey_of_four(), {{}, {{RejectionReason::element_widths, corners}}}, is_photo);
-    return to_string(findings.at(0).status);
+    return to_string(findings.at(0).finding.status);
   };
   CHECK(status(400, 300, true) == "unreadable");
   CHECK(status(90, 300, true) == "cut_off");
@@ -107,7 +108,7 @@ TEST_CASE("a survey without tags knows no code") {
   survey.tags.clear();
   const auto findings = check_tags(survey, {{reading_of("019000000404")}, {}});
   REQUIRE(findings.size() == 1);
-  CHECK(findings[0].status == TagStatus::unknown);
+  CHECK(findings[0].finding.status == TagStatus::unknown);
   CHECK(nearest_tag(survey, *findings[0].digits) == nullptr);
 }
 
@@ -175,12 +176,12 @@ TEST_CASE("what a later run finds in a file is listed, and the file counted once
   plain.tags.resize(1);
   plain.tags[0].tag = "000L";
   VerifiedFile strict = plain;
-  strict.tags[0].status = TagStatus::misplaced;
-  strict.tags[0].rule = "moved";
+  strict.tags[0].finding.status = TagStatus::misplaced;
+  strict.tags[0].finding.rule = "moved";
   strict.add_finding("stale", "stale: because");
   VerifiedTag& unnamed = strict.tags.emplace_back();
-  unnamed.status = TagStatus::unreadable;
-  unnamed.rule = "glare";
+  unnamed.finding.status = TagStatus::unreadable;
+  unnamed.finding.rule = "glare";
   for (const bool strict_first : {true, false}) {
     VerifyMerge merged;
     merge("", strict_first ? strict : plain, merged);
@@ -258,12 +259,12 @@ TEST_CASE("tags that cameras noted on their head are counted, those with another
   for (const char* rule : {"upside-down", "mirrored"}) {
     VerifiedTag tag;
     tag.tag = "000L";
-    tag.status = TagStatus::misprinted;
-    tag.rule = rule;
+    tag.finding.status = TagStatus::misprinted;
+    tag.finding.rule = rule;
     VerifiedFile file{std::string(rule) + ".jpg"};
     file.up = UpSource::doubted;
     file.tags = {tag, tag};
-    if (tag.rule == "mirrored") file.tags.pop_back();
+    if (tag.finding.rule == "mirrored") file.tags.pop_back();
     merge("", file, merged);
   }
   CHECK(merged.noted_up.on_head == 2);

@@ -131,20 +131,20 @@ TEST_CASE("a broken manifest is an error") {
 
 TEST_CASE("a print file holds what the manifest says") {
   const VerifiedFile report = verified("000L.pdf", "019000000404");
-  CHECK(report.tags[0].status == TagStatus::ok);
+  CHECK(report.tags[0].finding.status == TagStatus::ok);
   CHECK(report.findings.empty());
 }
 
 TEST_CASE("a file that the manifest does not name is left alone") {
   const VerifiedFile report = verified("copy.pdf", "019000000404");
-  CHECK(report.tags[0].status == TagStatus::ok);
+  CHECK(report.tags[0].finding.status == TagStatus::ok);
   CHECK(report.findings.empty());
 }
 
 TEST_CASE("another tag of the survey in a print file is misprinted") {
   const VerifiedFile report = verified("000R.pdf", "019000000404");
-  CHECK(report.tags[0].status == TagStatus::misprinted);
-  CHECK(report.tags[0].message ==
+  CHECK(report.tags[0].finding.status == TagStatus::misprinted);
+  CHECK(report.tags[0].finding.message ==
         "000L 019000000404 stands in this file, expected 000R (manifest.json)");
   CHECK(report.findings ==
         std::vector<std::string>{
@@ -156,8 +156,8 @@ TEST_CASE("a print from an older survey is found") {
   CHECK(moved.findings == std::vector<std::string>{
                               "stale: 001L was printed as 019000810403, but survey little now says "
                               "019000800402: print it again"});
-  CHECK(moved.tags[0].rule == "stale");
-  CHECK(moved.tags[0].message ==
+  CHECK(moved.tags[0].finding.rule == "stale");
+  CHECK(moved.tags[0].finding.message ==
         "001L 019000810403 is what was printed, but no longer in the survey");
   const VerifiedFile removed = verified("009L.pdf", "019009000403");
   CHECK(removed.findings ==

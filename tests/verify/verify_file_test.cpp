@@ -67,7 +67,7 @@ TEST_CASE("tags that the border cuts are named by what is in sight, where that f
         verify_file(request, "surveys/corridor/photos/" + photo + ".jpg").value();
     std::set<std::string> names;
     for (const VerifiedTag& tag : file.tags) {
-      if (tag.status == TagStatus::cut_off) names.insert(tag.tag);
+      if (tag.finding.status == TagStatus::cut_off) names.insert(tag.tag);
     }
     return names;
   };
@@ -96,8 +96,8 @@ TEST_CASE("a tag of which a cable hides a digit is unreadable, and named by the 
   const VerifiedFile verified = verify_file({survey}, {"a.png", png, ""}).value();
   const auto found = std::ranges::find(verified.tags, tag->name, &VerifiedTag::tag);
   REQUIRE(found != verified.tags.end());
-  CHECK(found->status == TagStatus::unreadable);
-  CHECK(found->rule == "covered");
+  CHECK(found->finding.status == TagStatus::unreadable);
+  CHECK(found->finding.rule == "covered");
 }
 
 TEST_CASE("each page of a PDF is drawn by its own size") {
@@ -168,7 +168,7 @@ TEST_CASE("photos of a phone are verified however it was held, and shown upright
     const VerifiedFile report = verified(photo_held(stranger, orientation));
     CHECK(report.orientation == orientation);
     REQUIRE(report.tags.size() == 1);
-    CHECK(report.tags[0].rule == reference.tags[0].rule);
+    CHECK(report.tags[0].finding.rule == reference.tags[0].finding.rule);
     REQUIRE(report.tags[0].picture.image);
     const GrayImage& crop = *report.tags[0].picture.image;
     CHECK(std::abs(crop.width - reference.tags[0].picture.image->width) <= 2);

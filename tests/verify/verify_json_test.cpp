@@ -39,7 +39,7 @@ VerifiedFile photo() {
   good.grade->means[5] = {3.25, 0.125};
   good.hung = HungTag{"000L", HangVerdict::fits, 2, {{0.001, 0, 0}, {0.002, 0, 0}}, {}, {}, "", ""};
   VerifiedTag& moved = file.tags.emplace_back();
-  static_cast<Finding&>(moved) = {TagStatus::misplaced, "moved", "raise it"};
+  moved.finding = {TagStatus::misplaced, "moved", "raise it"};
   moved.tag = "001L";
   moved.digits = parse_digits("019000800402");
   moved.grade_reason = "too far";
@@ -47,7 +47,7 @@ VerifiedFile photo() {
   moved.hung = HungTag{"001L", HangVerdict::off, 1, {}, {}, {"000L"}, "", ""};
   moved.hung->placed = "{ tag: 001L, side: left }";
   VerifiedTag& stranger = file.tags.emplace_back();
-  static_cast<Finding&>(stranger) = {TagStatus::unknown, "not-in-survey", "strange"};
+  stranger.finding = {TagStatus::unknown, "not-in-survey", "strange"};
   stranger.digits = parse_digits("123456789012");
   stranger.in_place_of = "001R";
   return file;
@@ -64,7 +64,7 @@ TEST_CASE("lines of verify") {
   good.confidence = 1;
   good.page = 1;
   VerifiedTag& bad = file.tags.emplace_back();
-  static_cast<Finding&>(bad) = {TagStatus::unreadable, "too-small", "too small"};
+  bad.finding = {TagStatus::unreadable, "too-small", "too small"};
   bad.page = 2;
   const json line = test::parsed_json(to_json_line(file));
   CHECK(line["file"] == "a.pdf");
