@@ -156,7 +156,9 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
                               const Rig& rig) {
   Json values = summary_values(summaries.front());
   values["assumed"] = assumed;
-  if (findings.suspicion) values["rig_suspicion"] = suspicion_json(*findings.suspicion, rig);
+  if (const auto& suspicion = findings.checked.suspicion) {
+    values["rig_suspicion"] = suspicion_json(*suspicion, rig);
+  }
   if (findings.rolling) {
     values["rolling_shutter"] = {{"text", to_string(*findings.rolling)},
                                  {"rows", findings.rolling->rows},

@@ -12,7 +12,6 @@
 
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/travel.hpp"
-#include "decoder/plates/rig_suspicion.hpp"
 #include "decoder/plates/set_aside.hpp"
 #include "tagsmith/survey/run.hpp"
 
@@ -26,7 +25,6 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 
 // What all rows of a run together show.
 struct RunFindings {
-  std::optional<RigSuspicion> suspicion;
   RunCheck checked;
   std::optional<TurnedHeadings> turned{};
   std::optional<WrongHeight> height{};

@@ -33,6 +33,7 @@
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/paper/published.hpp"
 #include "decoder/plates/rig_suspicion.hpp"
+#include "decoder/plates/set_aside.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
@@ -166,20 +167,6 @@ void tell(const RunCheck& checked) {
   for (const SetAside& tag : checked.aside) {
     to_stderr("{}: set aside in {}: {}\n", kLocalize, counted(tag.rows.size(), "row"), tag.message);
   }
-}
-
-// Whether a value of the rig explains what the rows of the survey that is seen most contradict.
-std::optional<RigSuspicion> suspicion_of(std::vector<Observation> rows,
-                                         const LocalizeInput& input) {
-  std::vector<std::size_t> tags(input.surveys.size());
-  for (const Observation& row : rows) {
-    for (const SeenTag& tag : row.tags) ++tags[tag.survey];
-  }
-  const auto survey = static_cast<std::size_t>(std::ranges::max_element(tags) - tags.begin());
-  for (Observation& row : rows) {
-    std::erase_if(row.tags, [&](const SeenTag& tag) { return tag.survey != survey; });
-  }
-  return suspect_rig(rows, input.surveys[survey], input.rig);
 }
 
 bool shows_no_tag(const Observation& row) { return row.tags.empty(); }
@@ -466,12 +453,11 @@ int run_localize(LocalizeOptions options) {
   const bool lacks_pictures = tell_lacking_pictures(rows);
   leave_out_exchanged(rows, input->surveys, input->rig);
   RunFindings findings;
-  if (options.method != "paper") findings.suspicion = suspicion_of(rows, *input);
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
     findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
   }
   Located located = localize_all(*input, options, rows, findings.checked);
-  if (options.method != "paper" && !findings.suspicion) {
+  if (options.method != "paper" && !findings.checked.suspicion) {
     findings.rolling = rolling_shutter(located.front(), rows, input->surveys, input->rig);
   }
   findings.turned = turned_headings(located.front());
@@ -500,13 +486,13 @@ int run_localize(LocalizeOptions options) {
   } else {
     print_tables(located, *input, options.explain);
     if (!findings.another_drive.empty()) to_stdout("{}\n", findings.another_drive);
-    if (findings.suspicion) {
-      to_stdout("the rig is in doubt: {}\n", describe(*findings.suspicion, input->rig));
+    if (const auto& suspicion = findings.checked.suspicion) {
+      to_stdout("the rig is in doubt: {}\n", describe(*suspicion, input->rig));
     }
     print_doubts(findings);
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  const bool is_in_doubt = findings.suspicion || findings.turned || findings.height ||
+  const bool is_in_doubt = findings.checked.suspicion || findings.turned || findings.height ||
                            (findings.range && findings.range->tags_may_be_wrong);
   return std::ranges::all_of(fixes, is_located) && !lacks_pictures && !is_in_doubt ? kExitOk
                                                                                    : kExitFindings;

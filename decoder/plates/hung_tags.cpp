@@ -536,12 +536,17 @@ std::string in_words(const MixedStations& mixed, const Rig& rig) {
 
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance) {
+  auto doubt = rig_doubt(survey, rig, sighted);
+  if (!doubt) return hung_as_surveyed(survey, rig, sighted, tolerance);
   HungTags result;
-  if (auto doubt = rig_doubt(survey, rig, sighted)) {
-    result.nothing_fits = true;
-    result.rig_doubt = std::move(*doubt);
-    return result;
-  }
+  result.nothing_fits = true;
+  result.rig_doubt = std::move(*doubt);
+  return result;
+}
+
+HungTags hung_as_surveyed(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
+                          double tolerance) {
+  HungTags result;
   AdjustmentProblem problem = problem_for(survey, rig, sighted);
   Rig by_plates;  // outlives the problem
   if (!stands_level(rig)) {

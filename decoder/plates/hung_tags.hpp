@@ -113,8 +113,11 @@ std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,
                                      std::span<const SightedTag> sighted);
 
 // find_consensus of the sighted tags, in words. Sightings of codes that the survey does not have
-// are not used to judge others; where they hang is determined by the tags that fit. Where the
-// pictures contradict the rig in one and the same way (suspect_rig), no tag is judged.
+// are not used to judge others; where they hang is determined by the tags that fit.
+HungTags hung_as_surveyed(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
+                          double tolerance = kHangTolerance);
+
+// The same; but where the pictures contradict the rig (rig_doubt), no tag is judged.
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance = kHangTolerance);
 

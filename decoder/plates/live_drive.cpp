@@ -20,8 +20,8 @@ Fix LiveDrive::next(const LocateOne& locate, std::optional<double> time) {
   fix.notes.insert(fix.notes.end(), told_.begin(), told_.end());
   if (time) fix = follow_track(track_, std::move(fix), *time, aside_.all());
   fix = doubts_.judged(std::move(fix), aside_.all(), *rig_);
-  const bool doubt_rig = fix.doubt.empty() && !check.rig_doubt.empty();
-  return doubt_rig ? doubted(std::move(fix), "the rig is in doubt: " + check.rig_doubt) : fix;
+  if (!check.suspicion || !fix.doubt.empty()) return fix;
+  return doubted(std::move(fix), "the rig is in doubt: " + describe(*check.suspicion, *rig_));
 }
 
 }  // namespace tagsmith::detail

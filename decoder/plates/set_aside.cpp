@@ -30,7 +30,21 @@ HungTags check_rows(const std::vector<Observation>& rows, const std::vector<Surv
   for (std::size_t i = 0; i < rows.size(); ++i) pick.count(sighted_in(rows[i], i, survey, rig));
   pick.choose();
   for (std::size_t i = 0; i < rows.size(); ++i) pick.take(sighted_in(rows[i], i, survey, rig));
-  return check_hung_tags(surveys[survey], rig, pick.taken());
+  return hung_as_surveyed(surveys[survey], rig, pick.taken());
+}
+
+// By the rows of the survey whose tags are seen most.
+std::optional<RigSuspicion> suspicion_of(std::vector<Observation> rows,
+                                         const std::vector<Survey>& surveys, const Rig& rig) {
+  std::vector<std::size_t> tags(surveys.size());
+  for (const Observation& row : rows) {
+    for (const SeenTag& tag : row.tags) ++tags[tag.survey];
+  }
+  const auto survey = static_cast<std::size_t>(std::ranges::max_element(tags) - tags.begin());
+  for (Observation& row : rows) {
+    std::erase_if(row.tags, [&](const SeenTag& tag) { return tag.survey != survey; });
+  }
+  return suspect_rig(rows, surveys[survey], rig);
 }
 
 // Removes the tag from the rows that show it; a second copy from those that show the copy.
@@ -64,9 +78,10 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
   std::vector<std::size_t> all(rows.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
   RunCheck result;
+  result.suspicion = suspicion_of(rows, surveys, rig);
+  if (result.suspicion) return result;
   for (std::size_t survey = 0; survey < surveys.size(); ++survey) {
     const HungTags hung = check_rows(rows, surveys, survey, rig);
-    if (!hung.rig_doubt.empty()) result.rig_doubt = hung.rig_doubt;
     if (hung.nothing_fits) continue;
     const auto add = [&](const HungTag& tag, std::span<const std::size_t> of) {
       if (tag.verdict != HangVerdict::off) return;

@@ -5,12 +5,14 @@
 
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/plates/rig_suspicion.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
@@ -26,12 +28,13 @@ struct SetAside {
 
 struct RunCheck {
   std::vector<SetAside> aside;
-  std::vector<std::string> mixed;  // rows that have each other's photos, in words
-  std::string rig_doubt{};  // which value of the rig is in doubt (rig_suspicion.hpp), or empty
+  std::vector<std::string> mixed;           // rows that have each other's photos, in words
+  std::optional<RigSuspicion> suspicion{};  // of the rig
 };
 
-// What check_hung_tags reports as certain, survey by survey; doubtful tags stay. Removes these tags
-// from the rows, and adds a fault to each that says so. Nothing where the rig itself is in doubt.
+// Whether the rows contradict the rig (suspect_rig, by the survey whose tags are seen most); if
+// they do not, what hung_as_surveyed reports as certain, survey by survey: removes these tags from
+// the rows, and adds a fault to each that says so. Doubtful tags stay.
 RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
                              const Rig& rig);
 
@@ -47,7 +50,7 @@ class LiveSetAside {
 
   // Takes what a measurement showed of tags of surveys() and the position computed from it. While
   // tags of the last measurements contradict each other, or the motion, these are compared; returns
-  // the tags that are set aside from here on, and the doubt in the rig.
+  // the tags that are set aside from here on, and the suspicion of the rig.
   RunCheck learn(Observation seen, const Fix& fix, const Rig& rig);
 
  private:
