@@ -7,7 +7,7 @@
 
 #include "decoder/api/data.hpp"
 #include "decoder/localize/joint_method.hpp"
-#include "decoder/localize/locate.hpp"
+#include "decoder/localize/localize_images.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/repeated_pictures.hpp"
 #include "decoder/plates/live_drive.hpp"
@@ -170,7 +170,7 @@ Fix Localizer::track(const Measurement& measurement) {
     seen = observation_from(measurement, surveys, rig);
     seen.time = measurement.time;
     const auto images = state_->pictures.new_ones(images_from(measurement, rig), seen);
-    return detail::locate_with(seen, images, surveys, rig, prior);
+    return detail::localize_images(seen, images, surveys, rig, prior);
   };
   return state_->answer(state_->drive.next(locate_in, measurement.time));
 }

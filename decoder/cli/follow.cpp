@@ -72,10 +72,10 @@ Result<Measurement> measurement_from(const Json& object, const Rig& rig) {
   return measurement;
 }
 
-Fix locate(const Measurement& measurement, const FollowInput& input, LiveDrive& drive) {
+Fix next_fix(const Measurement& measurement, const FollowInput& input, LiveDrive& drive) {
   const auto one = [&](const std::vector<Survey>& surveys, const std::optional<PosePrior>& prior,
                        Observation& seen) {
-    return input.locate(measurement, surveys, prior, seen);
+    return input.localize(measurement, surveys, prior, seen);
   };
   Fix fix = drive.next(one, input.track ? measurement.time : std::nullopt);
   for (const std::string& words : drive.told()) to_stderr("localize: {}\n", words);
@@ -107,7 +107,7 @@ int follow(const FollowInput& input) {
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
-      const Fix fix = locate(*measurement, input, drive);
+      const Fix fix = next_fix(*measurement, input, drive);
       all_located = all_located && fix.position_in_grid && fix.doubt.empty();
       answer = fix_json_line(fix, *measurement, input.explain);
     } else {

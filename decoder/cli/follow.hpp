@@ -23,7 +23,7 @@ struct FollowInput {
   // surveyed (LiveSetAside) are not used from there on.
   std::function<Fix(const Measurement&, const std::vector<Survey>&, const std::optional<PosePrior>&,
                     Observation&)>
-      locate;
+      localize;
   // Whether measurements with a time are tracked: the motion so far says where to look for tags and
   // judges fixes. The method must give attitudes.
   bool track = false;

@@ -22,7 +22,7 @@
 #include "decoder/localize/exchanged_cameras.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
-#include "decoder/localize/locate.hpp"
+#include "decoder/localize/localize_images.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/other_drive.hpp"
 #include "decoder/localize/paper_method.hpp"
@@ -120,8 +120,8 @@ std::vector<std::string> assumed(const LocalizeInput& input, const LocalizeOptio
 // The fixes of all measurements by each method asked for, the one to rely on first.
 using Located = std::vector<std::vector<Fix>>;
 
-std::vector<Fix> locate_all(const std::vector<Observation>& rows, LocalizationMethod method,
-                            const LocalizeInput& input, int jobs) {
+std::vector<Fix> localize_rows(const std::vector<Observation>& rows, LocalizationMethod method,
+                               const LocalizeInput& input, int jobs) {
   std::vector<Fix> fixes(rows.size());
   run_in_order(rows.size(), jobs, [&](std::size_t i) -> Delivery {
     fixes[i] = method(rows[i], input.surveys, input.rig);
@@ -136,12 +136,12 @@ Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
   const std::vector<std::string> repeated = notes_on_repeated(rows);
   std::optional<std::vector<Fix>> by_paper;
   if (options.method != "joint") {
-    by_paper = locate_all(rows, localize_by_paper, input, options.jobs);
+    by_paper = localize_rows(rows, localize_by_paper, input, options.jobs);
   }
   Located located;
   if (options.method != "paper") {
     checked = set_aside_misplaced(rows, input.surveys, input.rig);
-    located.push_back(locate_all(rows, localize_jointly, input, options.jobs));
+    located.push_back(localize_rows(rows, localize_jointly, input, options.jobs));
   }
   if (by_paper) located.push_back(std::move(*by_paper));
   for (std::vector<Fix>& fixes : located) {
@@ -178,10 +178,10 @@ FollowInput live_input(const LocalizeInput& input, const LocalizeOptions& option
   const bool sparing = joint && options.reader == "tagsmith" && !options.unsurveyed;
   FollowInput live{input.surveys, input.rig, {}, joint, options.confirmed, options.explain};
   const auto memory = std::make_shared<PictureMemory>();
-  live.locate = [&input, reader, joint, sparing, memory](
-                    const Measurement& measurement, const std::vector<Survey>& surveys,
-                    const std::optional<PosePrior>& prior, Observation& seen) {
-    if (sparing) return locate(measurement, surveys, input.rig, prior, *memory, seen);
+  live.localize = [&input, reader, joint, sparing, memory](
+                      const Measurement& measurement, const std::vector<Survey>& surveys,
+                      const std::optional<PosePrior>& prior, Observation& seen) {
+    if (sparing) return localize_measurement(measurement, surveys, input.rig, prior, *memory, seen);
     // Of these methods the measurements are not compared.
     const Observation row = observe(measurement, surveys, input.rig, reader, prior);
     return joint ? localize_jointly(row, surveys, input.rig)

@@ -105,10 +105,6 @@ Observation observe(const Measurement& measurement, const std::vector<Survey>& s
                     const Rig& rig, const ReaderChoice& reader,
                     const std::optional<PosePrior>& prior = std::nullopt);
 
-// The picture in the file. Damage that the decoder repaired is recorded as a fault of the
-// observation, and so is a file that cannot be read; there is no picture of that.
-std::optional<GrayImage> load_observed(const std::filesystem::path& file, Observation& observation);
-
 // How to read a camera's image: with the surveys' codes as code book, and the tags that the prior
 // expects there. Fails when the image is not of the camera's size. `name` is for messages.
 Result<ReadOptions> read_options_for_image(const GrayView& image, const std::string& name,

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/localize/locate.hpp"
+#include "decoder/localize/localize_images.hpp"
 #include "decoder/localize/observation.hpp"
 
 namespace tagsmith::detail {

@@ -8,13 +8,13 @@ namespace tagsmith::detail {
 LiveDrive::LiveDrive(std::vector<Survey> surveys, const Rig& rig)
     : rig_(&rig), aside_(std::move(surveys)) {}
 
-Fix LiveDrive::next(const LocateOne& locate, std::optional<double> time) {
+Fix LiveDrive::next(const LocalizeOne& localize, std::optional<double> time) {
   const auto prior =
       time && track_ ? prior_at(*track_, *time, aside_.all(), MotionModel{}) : std::nullopt;
   Observation seen;
-  Fix fix = locate(aside_.surveys(), prior, seen);
+  Fix fix = localize(aside_.surveys(), prior, seen);
   const RunCheck check = aside_.learn(std::move(seen), fix, *rig_);
-  if (!check.aside.empty()) fix = locate(aside_.surveys(), prior, seen);
+  if (!check.aside.empty()) fix = localize(aside_.surveys(), prior, seen);
   told_.clear();
   for (const SetAside& tag : check.aside) told_.push_back("set aside from here on: " + tag.message);
   fix.notes.insert(fix.notes.end(), told_.begin(), told_.end());

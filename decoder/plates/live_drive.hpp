@@ -21,7 +21,7 @@ namespace tagsmith::detail {
 // The position from one measurement and these surveys, where the motion may predict the pose; what
 // was seen of the surveys' tags is added to the observation. Tags of an observation left empty are
 // not compared with those of other measurements.
-using LocateOne =
+using LocalizeOne =
     std::function<Fix(const std::vector<Survey>&, const std::optional<PosePrior>&, Observation&)>;
 
 class LiveDrive {
@@ -33,7 +33,7 @@ class LiveDrive {
   // says which tags are set aside from here on (LiveSetAside). While the last measurements show
   // that the rig or the positions cannot be trusted, a note says why and nothing confirms the
   // position.
-  Fix next(const LocateOne& locate, std::optional<double> time);
+  Fix next(const LocalizeOne& localize, std::optional<double> time);
 
   // The notes of the last measurement on tags that are set aside.
   const std::vector<std::string>& told() const { return told_; }

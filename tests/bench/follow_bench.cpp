@@ -11,7 +11,7 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/localize/live_track.hpp"
-#include "decoder/localize/locate.hpp"
+#include "decoder/localize/localize_images.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/run.hpp"
 
@@ -48,7 +48,8 @@ Fix locate_in(const Scene& scene, std::size_t index, const std::optional<PosePri
   for (std::size_t c = 0; c < scene.rig.cameras.size(); ++c) {
     images.push_back({&scene.rig.cameras[c], scene.images[index][c].view(), ""});
   }
-  return locate({}, images, scene.surveys, scene.rig, prior);
+  Observation seen;
+  return localize_images(seen, images, scene.surveys, scene.rig, prior);
 }
 
 // Where the motion puts the vehicle: a centimetre and a quarter of a degree from where it is.

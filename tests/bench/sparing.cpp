@@ -15,7 +15,7 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/localize/joint_method.hpp"
-#include "decoder/localize/locate.hpp"
+#include "decoder/localize/localize_images.hpp"
 #include "decoder/localize/observation.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tests/bench/bench_site.hpp"
@@ -139,8 +139,9 @@ void draw(const PhotoSite& site, Draws& draws, Tally& tally) {
     observe_image(seen, camera, painted[c].view(), camera.name, surveys,
                   {read_tags, kFittedCornerSigmaPx});
   }
-  count(tally, locate({}, images, surveys, site.rig), localize_jointly(seen, surveys, site.rig),
-        site.truths[row]);
+  Observation spared;
+  count(tally, localize_images(spared, images, surveys, site.rig),
+        localize_jointly(seen, surveys, site.rig), site.truths[row]);
 }
 
 }  // namespace

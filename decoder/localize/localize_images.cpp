@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/locate.hpp"
+#include "decoder/localize/localize_images.hpp"
 
 #include <algorithm>
 #include <array>
@@ -138,9 +138,9 @@ bool look_closer(std::vector<Look>& looks, const Fix& fix, bool settled,
 
 }  // namespace
 
-Fix locate_with(Observation& known, std::span<const CameraImage> images,
-                const std::vector<Survey>& surveys, const Rig& rig,
-                const std::optional<PosePrior>& prior) {
+Fix localize_images(Observation& known, std::span<const CameraImage> images,
+                    const std::vector<Survey>& surveys, const Rig& rig,
+                    const std::optional<PosePrior>& prior) {
   std::vector<Look> looks = begin_looks(images, surveys, prior, known);
   Observation seen;
   Fix fix;
@@ -150,13 +150,6 @@ Fix locate_with(Observation& known, std::span<const CameraImage> images,
   } while (look_closer(looks, fix, is_settled(fix, looks, known.ranges, rig), surveys));
   known = std::move(seen);
   return fix;
-}
-
-Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraImage> images,
-           const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior) {
-  Observation observation{{}, {}, ranges, {}};
-  return locate_with(observation, images, surveys, rig, prior);
 }
 
 }  // namespace tagsmith::detail

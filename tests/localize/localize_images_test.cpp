@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/localize/locate.hpp"
+#include "decoder/localize/localize_images.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -48,6 +48,12 @@ struct Images {
     }
   }
 
+  // The fix that spares the closer look where it can.
+  Fix fix(const SurveyedRun& site, const std::vector<Survey>& surveys) const {
+    Observation seen;
+    return localize_images(seen, images, surveys, site.rig);
+  }
+
   // The fix by all that the images show.
   Fix full_fix(const SurveyedRun& site, const std::vector<Survey>& surveys) const {
     Observation seen;
@@ -87,7 +93,7 @@ TEST_CASE("sparing the closer look leaves positions as they are") {
       CAPTURE(measurement.id);
       const Images seen(site, measurement);
       const Fix full = seen.full_fix(site, site.surveys);
-      const Fix fix = locate({}, seen.images, site.surveys, site.rig);
+      const Fix fix = seen.fix(site, site.surveys);
       REQUIRE(full.position_in_grid.has_value());
       REQUIRE(fix.position_in_grid.has_value());
       CHECK(fix.tags == full.tags);
@@ -108,7 +114,7 @@ TEST_CASE("a tag that hangs elsewhere than surveyed is met by the closer look as
       const auto tag = std::ranges::find(moved[0].tags, name, &PlacedTag::name);
       tag->world_from_plate.translation += 0.3 * tag->world_from_plate.rotation.col(0);
       const Fix full = seen.full_fix(site, moved);
-      const Fix fix = locate({}, seen.images, moved, site.rig);
+      const Fix fix = seen.fix(site, moved);
       CHECK(fix.position_in_grid.has_value() == full.position_in_grid.has_value());
       CHECK(fix.reason == full.reason);
     }
@@ -137,7 +143,7 @@ TEST_CASE("a surveyed tag that was not read where it should be is looked for clo
   search.look_closer();
   REQUIRE(has_read(search, in_right[0].digits));
 
-  const Fix fix = locate({}, seen.images, site.surveys, site.rig);
+  const Fix fix = seen.fix(site, site.surveys);
   REQUIRE(fix.position_in_grid.has_value());
   CHECK(std::ranges::find(fix.corners, "third", &FittedCorners::camera) != fix.corners.end());
 }
@@ -150,7 +156,7 @@ TEST_CASE("an image without a tag, or of another size, is told") {
   GrayImage& right = seen.loaded[1];
   const GrayView cut{right.samples.data(), right.width - 1, right.height, right.width};
   seen.images[1].image = cut;
-  const Fix fix = locate({}, seen.images, site.surveys, site.rig);
+  const Fix fix = seen.fix(site, site.surveys);
   CHECK_FALSE(fix.position_in_grid.has_value());
   CHECK(fix.reason.find("left: no tag read") != std::string::npos);
   const std::size_t of_right = fix.reason.find("right: ");
