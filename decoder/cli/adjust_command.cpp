@@ -122,34 +122,34 @@ Result<std::vector<VerifiedFile>> verify_photos(const AdjustInput& input, int jo
 }
 
 // How many files named in the lines are photos, and how many of these belong to another survey.
-struct Told {
+struct PhotoCounts {
   std::size_t photos = 0;
   std::size_t others = 0;
 };
 
-Result<Told> read_lines(const AdjustInput& input,
-                        const std::function<void(const VerifiedFile&)>& take) {
+Result<PhotoCounts> read_lines(const AdjustInput& input,
+                               const std::function<void(const VerifiedFile&)>& take) {
   const std::string revision = survey_revision(input.survey);
-  Told told;
+  PhotoCounts photo_counts;
   for (const fs::path& path : input.lines) {
     const Result<VerifyLineCounts> counts = read_verify_lines(path, [&](const VerifiedFile& file) {
       if (!file.is_photo()) return;
-      ++told.photos;
-      if (file.revision != revision) ++told.others;
+      ++photo_counts.photos;
+      if (file.revision != revision) ++photo_counts.others;
       take(file);
     });
     if (!counts) return fail(counts.error().message);
     if (counts->files == 0) {
       return fail(path.string() + ": has no line of `verify --json`");
     }
-    tell_broken_lines(path.string(), *counts);
+    report_broken_lines(path.string(), *counts);
   }
-  if (told.photos > 0 && told.others == told.photos) {
+  if (photo_counts.photos > 0 && photo_counts.others == photo_counts.photos) {
     return fail(fmt::format(
         "{}: all {} photos were verified against another state of the survey {}: verify them again",
-        input.lines.front().string(), told.photos, input.survey.file.string()));
+        input.lines.front().string(), photo_counts.photos, input.survey.file.string()));
   }
-  return told;
+  return photo_counts;
 }
 
 // Fails, before any photo is read, on input that cannot be used and output that cannot be written.
@@ -201,12 +201,12 @@ Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs)
   if (!photos) return fail(photos.error().message);
   std::vector<SightedTag> all;
   std::vector<std::string> notes;
-  Told told;
+  PhotoCounts photo_counts;
   const EachFile files = [&](const auto& take) -> Result<void> {
     for (const VerifiedFile& file : *photos) take(file);
-    const Result<Told> read = read_lines(input, take);
+    const Result<PhotoCounts> read = read_lines(input, take);
     if (!read) return fail(read.error().message);
-    told = *read;
+    photo_counts = *read;
     return {};
   };
   const auto taken = for_each_sighted(input.survey, input.setup, files,
@@ -215,9 +215,9 @@ Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs)
                                         if (!note.empty()) notes.push_back(note);
                                       });
   if (!taken) return fail(taken.error().message);
-  if (told.others > 0) {
+  if (photo_counts.others > 0) {
     to_stderr("{}: {} photos were verified against another state of the survey and left out\n",
-              kAdjust, told.others);
+              kAdjust, photo_counts.others);
   }
   constexpr std::size_t kMostNotes = 20;
   for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) {

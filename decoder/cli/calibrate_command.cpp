@@ -359,7 +359,7 @@ class Loader {
   }
   bool has_several_sizes() const { return sizes_.size() > 1; }
 
-  void tell_damaged() const {
+  void report_damaged() const {
     for (const auto& [i, words] : damaged_) {
       to_stderr("tagsmith calibrate: {}: {}\n", files_[i].string(), words);
     }
@@ -393,7 +393,7 @@ Result<CalibrationOutcome> calibrate(const BoardCalibrationOptions& options,
   const PhotoCalibrationOptions how{options.jobs,
                                     [&](std::size_t, std::size_t) { bar.advance([] {}); }};
   Result<PhotoCalibration> found = calibrate_photos(photos, boards, how);
-  loader.tell_damaged();
+  loader.report_damaged();
   if (const auto broken = loader.broken(); !broken.empty()) {
     return fail(fmt::format("{}", fmt::join(broken, "\n")));
   }

@@ -153,7 +153,7 @@ Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
 }
 
 // Says of how many rows photos could not be read; whether there are any.
-bool tell_lacking_pictures(const std::vector<Observation>& rows) {
+bool report_lacking_pictures(const std::vector<Observation>& rows) {
   const auto lacking = std::ranges::count_if(rows, &Observation::lacks_picture);
   if (lacking == 0) return false;
   to_stderr("{}: photos of {} could not be read, see their notes\n", kLocalize,
@@ -162,7 +162,7 @@ bool tell_lacking_pictures(const std::vector<Observation>& rows) {
 }
 
 // What is wrong with tags that the run shows to hang elsewhere, and with rows, once each.
-void tell(const RunCheck& checked) {
+void report_set_aside(const RunCheck& checked) {
   for (const std::string& words : checked.mixed) to_stderr("{}: {}\n", kLocalize, words);
   for (const SetAside& tag : checked.aside) {
     to_stderr("{}: set aside in {}: {}\n", kLocalize, counted(tag.rows.size(), "row"), tag.message);
@@ -450,7 +450,7 @@ int run_localize(LocalizeOptions options) {
   }
   std::vector<Observation> rows =
       observe_run(input->run, input->surveys, input->rig, reader_for(options), options.jobs);
-  const bool lacks_pictures = tell_lacking_pictures(rows);
+  const bool lacks_pictures = report_lacking_pictures(rows);
   leave_out_exchanged(rows, input->surveys, input->rig);
   RunFindings findings;
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
@@ -463,7 +463,7 @@ int run_localize(LocalizeOptions options) {
   findings.turned = turned_headings(located.front());
   findings.height = wrong_height(located.front(), input->surveys, input->rig);
   findings.range = wrong_range(located.front(), input->rig);
-  tell(findings.checked);
+  report_set_aside(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
     if (!smoothed) return report_failure(kLocalize, smoothed.error());

@@ -60,10 +60,10 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   }
 }
 
-// All lines of all files, in turn; fails where there is no line. `tell`: reports how many lines
+// All lines of all files, in turn; fails where there is no line. `report`: says how many lines
 // were left out.
 Result<void> read_all(const ReportOptions& options, const std::function<void(VerifiedFile)>& take,
-                      bool tell = false) {
+                      bool report = false) {
   std::size_t lines = 0;
   for (const std::string& file : options.files) {
     const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
@@ -73,22 +73,22 @@ Result<void> read_all(const ReportOptions& options, const std::function<void(Ver
       return fail(
           fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
     }
-    if (tell) tell_broken_lines(file, *counts);
+    if (report) report_broken_lines(file, *counts);
     lines += counts->files + counts->broken;
   }
   if (lines == 0) return fail(options.files.front() + ": has no line of `verify --json`");
   return {};
 }
 
-// Whether a line says where a tag hangs.
-Result<bool> any_says_hanging(const ReportOptions& options) {
-  bool says = false;
+// Whether a line shows where a tag hangs.
+Result<bool> any_shows_hanging(const ReportOptions& options) {
+  bool shows = false;
   const auto read = read_all(options, [&](const VerifiedFile& line) {
-    says = says || std::ranges::any_of(line.tags,
-                                       [](const VerifiedTag& tag) { return tag.hung.has_value(); });
+    shows = shows || std::ranges::any_of(
+                         line.tags, [](const VerifiedTag& tag) { return tag.hung.has_value(); });
   });
   if (!read) return fail(read.error().message);
-  return says;
+  return shows;
 }
 
 // What a line says of its tags is valid for the state of the survey that it was verified against.
@@ -157,9 +157,9 @@ Result<int> run(const ReportOptions& options) {
   add_report_files(options.report, files);
   if (const auto usable = files.check(); !usable) return fail(usable.error().message);
   if (!*hanging) {
-    const Result<bool> said = any_says_hanging(options);
-    if (!said) return fail(said.error().message);
-    if (!*said) *hanging = hanging_without_rig(options.hanging);
+    const Result<bool> shown = any_shows_hanging(options);
+    if (!shown) return fail(shown.error().message);
+    if (!*shown) *hanging = hanging_without_rig(options.hanging);
   }
   const Result<std::optional<HungTags>> hung = check_hanging(
       "report", *survey, *hanging, [&](const auto& take) { return read_all(options, take); });

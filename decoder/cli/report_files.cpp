@@ -566,7 +566,7 @@ std::vector<std::string> completeness_words(const Completeness& covered, std::si
   return lines;
 }
 
-void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts) {
+void report_broken_lines(const std::string& file, const VerifyLineCounts& counts) {
   if (counts.broken == 0) return;
   to_stderr("{}: {} not of `verify --json` and left out\n", file,
             counts.broken == 1 ? "1 line is" : fmt::format("{} lines are", counts.broken));

@@ -61,7 +61,7 @@ void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines, C
 std::vector<std::string> completeness_words(const Completeness& covered, std::size_t most);
 
 // Reports on standard error how many lines of `file` were left out, when there are any.
-void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts);
+void report_broken_lines(const std::string& file, const VerifyLineCounts& counts);
 
 // What was not checked, and notes on files, at most `most` of these.
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,

@@ -354,7 +354,7 @@ Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
       return fail(
           fmt::format("{}: none of its {} lines is of `verify --json`", lines, counts->broken));
     }
-    tell_broken_lines(lines, *counts);
+    report_broken_lines(lines, *counts);
   }
   if (auto written = ledger->flush(); !written) return written;
   ledger->print_tally();

@@ -332,14 +332,14 @@ struct VerifyOutcome {
 
 // The lines to be resumed, of this state of the survey; none when there is no such file yet.
 Result<void> read_resumed(const VerifyCommandOptions& options, const std::string& revision,
-                          const std::function<void(VerifiedFile)>& take, bool tell = false) {
+                          const std::function<void(VerifiedFile)>& take, bool report = false) {
   std::error_code ignored;
   if (options.resume.empty() || !fs::exists(options.resume, ignored)) return {};
   const Result<VerifyLineCounts> counts = read_verify_lines(options.resume, [&](VerifiedFile line) {
     if (line.revision == revision) take(std::move(line));
   });
   if (!counts) return fail(counts.error().message);
-  if (tell) tell_broken_lines(options.resume, *counts);
+  if (report) report_broken_lines(options.resume, *counts);
   return {};
 }
 
@@ -370,7 +370,7 @@ Result<void> save_late_pictures(const VerifyCommandOptions& options, VerifiedFil
   return save_annotated(options, *input, file);
 }
 
-void tell_failure(const Result<void>& result, VerifyOutcome& outcome) {
+void note_failure(const Result<void>& result, VerifyOutcome& outcome) {
   if (result) return;
   report_failure("verify", result.error());
   outcome.failed = true;
@@ -422,12 +422,12 @@ struct Job {
 
 // What is known of the file, all that other files say of it included.
 void take(const Job& job, VerifiedFile file, VerifyOutcome& outcome) {
-  tell_failure(job.ledger.add(file), outcome);
+  note_failure(job.ledger.add(file), outcome);
   merge(job.revision, std::move(file), outcome.merged);
 }
 
 void deliver(const Job& job, VerifiedOne& one, VerifyOutcome& outcome) {
-  if (one.problem) tell_failure(tl::unexpected(*one.problem), outcome);
+  if (one.problem) note_failure(tl::unexpected(*one.problem), outcome);
   if (one.skipped) {
     ++outcome.skipped_files;
     outcome.skipped.insert(key_of(one.file));
@@ -457,7 +457,7 @@ Result<void> judge_waiting(const Job& job, VerifyOutcome& outcome) {
   outcome.hung = std::move(*hung);
   for (VerifiedFile& file : outcome.waiting) {
     if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, file);
-    tell_failure(save_late_pictures(job.options, file), outcome);
+    note_failure(save_late_pictures(job.options, file), outcome);
     if (job.prints_late) print(job.options, file);
     take(job, std::move(file), outcome);
   }
@@ -490,7 +490,7 @@ Result<VerifyOutcome> verify_all(const Job& job, const std::vector<fs::path>& fi
   for (const auto& step : {judge_waiting, add_skipped}) {
     if (auto done = step(job, outcome); !done) return fail(done.error().message);
   }
-  tell_failure(job.ledger.flush(), outcome);
+  note_failure(job.ledger.flush(), outcome);
   job.ledger.print_tally();
   finish(outcome.merged);
   if (options.report.shows_pictures()) {

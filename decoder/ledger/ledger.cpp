@@ -360,7 +360,7 @@ Result<void> Ledger::write_photo(const std::string& survey, const VerifiedFile& 
                   "revision = excluded.revision, program = excluded.program, result = "
                   "excluded.result RETURNING id");
   photo.put(survey, false).put(file.sha256).put(file.file.string(), false).put(file.taken);
-  photo.put_whole(tells_up(file.up) ? 1 : 0).put(file.revision, false);
+  photo.put_whole(is_up_known(file.up) ? 1 : 0).put(file.revision, false);
   photo.put(TAGSMITH_VERSION).put(result);
   if (!photo.step()) return failure(path_, database, photo.failed());
   const sqlite3_int64 id = photo.whole(0);

@@ -49,22 +49,23 @@ SettledFit settled(const JointProblem& problem, const JointFit& fit) {
   if (fit.state.calibration.size() == 0 && std::ranges::all_of(problem.sightings, is_exact)) {
     return result;
   }
-  Rig as_said = *problem.rig;
-  for (RigCamera& camera : as_said.cameras) camera.calibration_sigma = {};
+  Rig as_stated = *problem.rig;
+  for (RigCamera& camera : as_stated.cameras) camera.calibration_sigma = {};
   JointProblem exact = problem;
-  exact.rig = &as_said;
+  exact.rig = &as_stated;
   exact.edges_weigh = false;
-  const auto said = fit_jointly(exact, fit.selection, fit.state.vehicle);
-  if (!said || said->chi_square > chi_square_limit(said->degrees_of_freedom, kBorneOut)) {
+  const auto stated = fit_jointly(exact, fit.selection, fit.state.vehicle);
+  if (!stated || stated->chi_square > chi_square_limit(stated->degrees_of_freedom, kBorneOut)) {
     return result;
   }
-  const Eigen::Matrix<double, 6, 1> apart = pose_difference(fit.state.vehicle, said->state.vehicle);
+  const Eigen::Matrix<double, 6, 1> apart =
+      pose_difference(fit.state.vehicle, stated->state.vehicle);
   const VehicleCovariance square = apart * apart.transpose();
   result.covariance += square;
   result.budget.calibration += square;
-  result.state = said->state;
-  result.chi_square = said->chi_square;
-  result.degrees_of_freedom = said->degrees_of_freedom;
+  result.state = stated->state;
+  result.chi_square = stated->chi_square;
+  result.degrees_of_freedom = stated->degrees_of_freedom;
   return result;
 }
 
@@ -190,7 +191,7 @@ std::optional<Doubt> doubt_by_rivals(const JointProblem& problem, const PoseSear
 }
 
 // What speaks against a single tag: with a second one, stance and range would be outvoted.
-std::optional<Doubt> doubt_of_lone_tag(const JointProblem& problem, const JointFit& fit) {
+std::optional<Doubt> doubt_of_only_tag(const JointProblem& problem, const JointFit& fit) {
   const std::string stance = unlikely_stance(problem, fit, kLoneStanceGate);
   if (stance.empty()) return std::nullopt;
   return Doubt{fmt::format("by the only tag, {}, {}", tags_text(problem, fit), stance)};
@@ -249,7 +250,7 @@ std::optional<Doubt> doubt(const NamedProblem& named, const PoseSearch& search, 
   }
   if (auto outvoted = doubt_by_votes(problem, best, grid)) return outvoted;
   if (auto outvoted = doubt_by_photos(named, best, grid)) return outvoted;
-  return plate_count(best) == 1 ? doubt_of_lone_tag(problem, best) : std::nullopt;
+  return plate_count(best) == 1 ? doubt_of_only_tag(problem, best) : std::nullopt;
 }
 
 // "the place of camera left".
@@ -694,9 +695,8 @@ Fix localize_jointly(const Observation& observation, const std::vector<Survey>& 
   Fix fix = fixes.empty() ? without_tags(observation) : choose(std::move(fixes));
   fix.id = observation.id;
   fix.method = "joint";
-  std::vector<std::string>& told = fix.notes;
   if (fix.position_in_grid) {
-    told.insert(told.begin(), observation.faults.begin(), observation.faults.end());
+    fix.notes.insert(fix.notes.begin(), observation.faults.begin(), observation.faults.end());
   } else {
     std::vector<std::string> reasons = observation.faults;
     reasons.push_back(fix.reason);

@@ -219,7 +219,7 @@ double outline_distance_sigma(const Camera& camera, double distance, double edge
   return distance * distance / (camera.fy * edge) * std::numbers::sqrt2 * kOutlineCornerSigmaPx;
 }
 
-bool survey_says_above(const Survey& survey, const PlacedTag& tag, const Rig& rig,
+bool is_surveyed_above(const Survey& survey, const PlacedTag& tag, const Rig& rig,
                        const RigCamera& camera, double grade) {
   const double floor = survey.tunnel.centerline.at(tag.chainage).position.z();
   const Eigen::Vector3d from_o = level_from_vehicle(grade) * camera.vehicle_from_camera.translation;
@@ -257,7 +257,7 @@ std::optional<RangedTag> ranged(const SeenTag& seen, const Survey& survey, const
                    &camera,
                    grade,
                    {distance, outline_distance_sigma(camera.camera, distance, edge)},
-                   survey_says_above(survey, seen.tag, rig, camera, grade)};
+                   is_surveyed_above(survey, seen.tag, rig, camera, grade)};
 }
 
 std::vector<RangedTag> ranged_tags(const Observation& observation,

@@ -151,11 +151,11 @@ std::vector<std::size_t> supporters(const JointProblem& problem, const JointFit&
   std::ranges::sort(others);
   for (const auto& [chi_square, i] : others) {
     const auto& other = problem.sightings[i];
-    const auto twin = [&](std::size_t j) {
+    const auto is_repeat = [&](std::size_t j) {
       return problem.sightings[j].plate == other.plate &&
              problem.sightings[j].camera == other.camera;
     };
-    if (std::ranges::none_of(chosen, twin)) chosen.push_back(i);
+    if (std::ranges::none_of(chosen, is_repeat)) chosen.push_back(i);
   }
   std::ranges::sort(chosen);
   return chosen;

@@ -395,40 +395,40 @@ UnplacedTags unplaced_tags(const Survey& survey, const AdjustmentProblem& proble
 // The unseen plate in whose place a plate hangs, by the plates of its station that hang as
 // surveyed; null where most of them know of none.
 const SightedPlate* place_by_neighbours(const AdjustmentProblem& problem, const Station& station,
-                                        Sighting stranger, const std::vector<bool>& fits) {
+                                        Sighting unknown, const std::vector<bool>& fits) {
   constexpr double kNear = 0.3;  // frame diagonals
   AdjustmentProblem asked{problem.rig, problem.plates, {}};
   asked.plates.emplace_back();
-  stranger.plate = problem.plates.size();
+  unknown.plate = problem.plates.size();
   for (const SightedPlate& place : problem.unseen) {
     asked.plates.back() = place;
     int agreed = 0;
     for (const Sighting& seen : station.sightings) {
       if (!fits[seen.plate]) continue;
-      agreed += mismatch(asked, seen, stranger) < kNear ? 1 : -1;
+      agreed += mismatch(asked, seen, unknown) < kNear ? 1 : -1;
     }
     if (agreed > 0) return &place;
   }
   return nullptr;
 }
 
-std::vector<Stranger> find_strangers(const Survey& survey, const AdjustmentProblem& problem,
-                                     std::span<const SightedTag> sighted,
-                                     const std::vector<HungTag>& tags) {
+std::vector<UnknownTag> find_unknown_tags(const Survey& survey, const AdjustmentProblem& problem,
+                                          std::span<const SightedTag> sighted,
+                                          const std::vector<HungTag>& tags) {
   std::vector<bool> fits;
   for (const HungTag& tag : tags) {
     fits.push_back(tag.verdict == HangVerdict::fits || tag.verdict == HangVerdict::unchecked);
   }
-  std::vector<Stranger> strangers;
+  std::vector<UnknownTag> unknown_tags;
   for (const SightedTag& tag : sighted) {
     if (find_tag(survey, std::string_view(tag.tag)) != nullptr) continue;
     const auto station = std::ranges::find(problem.stations, tag.station, &Station::name);
     if (station == problem.stations.end()) continue;
     const SightedPlate* place = place_by_neighbours(
         problem, *station, sighting_of(tag.seen, *problem.rig, tag.camera, 0), fits);
-    if (place != nullptr) strangers.push_back({tag.station, tag.tag, place->name});
+    if (place != nullptr) unknown_tags.push_back({tag.station, tag.tag, place->name});
   }
-  return strangers;
+  return unknown_tags;
 }
 
 std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProblem& problem,
@@ -565,7 +565,7 @@ HungTags hung_as_surveyed(const Survey& survey, const Rig& rig, std::span<const 
   }
   name_doubts(survey, problem, consensus, result.tags);
   if (!result.nothing_fits) {
-    result.strangers = find_strangers(survey, problem, sighted, result.tags);
+    result.unknown_tags = find_unknown_tags(survey, problem, sighted, result.tags);
   }
   for (const LeftOutStation& station : consensus.left_out) {
     result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));

@@ -49,7 +49,7 @@ inline constexpr double kMostOdds = 99;
 
 // A plate whose code is not in the survey and that hangs where a tag of the survey should be, which
 // no photo shows.
-struct Stranger {
+struct UnknownTag {
   std::string station;
   std::string code;
   std::string place;  // that tag
@@ -72,7 +72,7 @@ struct UntiedPair {
 struct HungTags {
   std::vector<HungTag> tags;  // of the survey that were seen, in its order
   std::vector<UnplacedTags> unplaced;
-  std::vector<Stranger> strangers{};
+  std::vector<UnknownTag> unknown_tags{};
   std::vector<MixedStations> mixed{};  // the others are judged after these pictures were exchanged
   // Tags that no picture shows together, nor a chain of pictures by way of other tags: how far all
   // on one side hang from all on the other was not judged.

@@ -15,9 +15,11 @@ Fix LiveDrive::next(const LocalizeOne& localize, std::optional<double> time) {
   Fix fix = localize(aside_.surveys(), prior, seen);
   const RunCheck check = aside_.learn(std::move(seen), fix, *rig_);
   if (!check.aside.empty()) fix = localize(aside_.surveys(), prior, seen);
-  told_.clear();
-  for (const SetAside& tag : check.aside) told_.push_back("set aside from here on: " + tag.message);
-  fix.notes.insert(fix.notes.end(), told_.begin(), told_.end());
+  set_aside_notes_.clear();
+  for (const SetAside& tag : check.aside) {
+    set_aside_notes_.push_back("set aside from here on: " + tag.message);
+  }
+  fix.notes.insert(fix.notes.end(), set_aside_notes_.begin(), set_aside_notes_.end());
   if (time) fix = follow_track(track_, std::move(fix), *time, aside_.all());
   fix = doubts_.judged(std::move(fix), aside_.all(), *rig_);
   if (!check.suspicion || !fix.doubt.empty()) return fix;

@@ -36,14 +36,14 @@ class LiveDrive {
   Fix next(const LocalizeOne& localize, std::optional<double> time);
 
   // The notes of the last measurement on tags that are set aside.
-  const std::vector<std::string>& told() const { return told_; }
+  const std::vector<std::string>& set_aside_notes() const { return set_aside_notes_; }
 
  private:
   const Rig* rig_;
   std::optional<LiveTrack> track_;
   LiveSetAside aside_;
   LiveDoubts doubts_;
-  std::vector<std::string> told_;
+  std::vector<std::string> set_aside_notes_;
 };
 
 }  // namespace tagsmith::detail

@@ -396,23 +396,23 @@ WithoutPrior without_prior(const VectorXd& moved, const MatrixXd& posterior,
   const MatrixXd scaled = inverse_sigmas.asDiagonal() * posterior * inverse_sigmas.asDiagonal();
   const PrincipalAxes axes =
       principal_axes(MatrixXd::Identity(prior.size(), prior.size()) - scaled);
-  const VectorXd told = axes.values.cwiseMax(kLeast);
+  const VectorXd share = axes.values.cwiseMax(kLeast);
   const VectorXd along = axes.vectors.transpose() * inverse_sigmas.cwiseProduct(moved);
   const MatrixXd back = sigmas.asDiagonal() * axes.vectors;
-  const VectorXd variance = (VectorXd::Ones(prior.size()) - told).cwiseMax(0).cwiseQuotient(told);
-  return {back * along.cwiseQuotient(told), propagated_variances(back, variance)};
+  const VectorXd variance = (VectorXd::Ones(prior.size()) - share).cwiseMax(0).cwiseQuotient(share);
+  return {back * along.cwiseQuotient(share), propagated_variances(back, variance)};
 }
 
 PlateOffset offset_of(const Vector6& moved, const Matrix6& posterior, const Vector6& prior,
                       const Vector6& surveyed) {
-  const WithoutPrior told = without_prior(moved, posterior, prior);
+  const WithoutPrior measured = without_prior(moved, posterior, prior);
   PlateOffset offset;
-  offset.shift = told.mean.head<3>();
-  offset.turn = told.mean.tail<3>();
-  offset.covariance = told.covariance;
+  offset.shift = measured.mean.head<3>();
+  offset.turn = measured.mean.tail<3>();
+  offset.covariance = measured.covariance;
   Matrix6 expected = offset.covariance;
   expected.diagonal() += surveyed;
-  offset.chi_square = squared_mahalanobis(Vector6(told.mean), expected);
+  offset.chi_square = squared_mahalanobis(Vector6(measured.mean), expected);
   offset.shift_chi_square = squared_mahalanobis(offset.shift, expected.topLeftCorner<3, 3>());
   offset.turn_chi_square = squared_mahalanobis(offset.turn, expected.bottomRightCorner<3, 3>());
   return offset;
@@ -434,13 +434,13 @@ GroupShift shift_of(Network& network, const AdjustmentState& state,
   MatrixXd unit = MatrixXd::Zero(normals.size(), 6 * count);
   for (Index i = 0; i < 6 * count; ++i) unit(columns[static_cast<std::size_t>(i)], i) = 1;
   const MatrixXd posterior = normals.solve(unit)(columns, Eigen::all);
-  const WithoutPrior told = without_prior(moved, posterior, prior);
+  const WithoutPrior measured = without_prior(moved, posterior, prior);
   GroupShift shift{plates};
   for (Index i = 0; i < count; ++i) {
-    shift.shift += told.mean.segment<3>(6 * i) / static_cast<double>(count);
+    shift.shift += measured.mean.segment<3>(6 * i) / static_cast<double>(count);
     for (Index j = 0; j < count; ++j) {
       shift.covariance +=
-          told.covariance.block<3, 3>(6 * i, 6 * j) / static_cast<double>(count * count);
+          measured.covariance.block<3, 3>(6 * i, 6 * j) / static_cast<double>(count * count);
     }
   }
   return shift;

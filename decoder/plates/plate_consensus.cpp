@@ -137,9 +137,9 @@ class Judge {
 
   void judge_all() {
     result_.plates.resize(found_.problem.plates.size());
-    std::set<std::string> told;
+    std::set<std::string> reported;
     for (const Station& station : found_.left_out) {
-      if (told.insert(station.name).second) result_.left_out.push_back(suspected(station));
+      if (reported.insert(station.name).second) result_.left_out.push_back(suspected(station));
     }
     if (!found_.adjustment) {
       result_.nothing_fits = !found_.problem.stations.empty();

@@ -213,15 +213,15 @@ class PlateSearch {
   void exchange_mixed() {
     constexpr std::size_t kMost = 24;  // stations that contradict themselves; as with plates
     if (given_.stations) return;
-    std::vector<Station*> odd;
+    std::vector<Station*> contradicting;
     for (Station& station : found_.problem.stations) {
-      if (!agrees(station)) odd.push_back(&station);
+      if (!agrees(station)) contradicting.push_back(&station);
     }
-    if (odd.size() > kMost) return;
-    for (std::size_t i = 0; i < odd.size(); ++i) {
-      for (std::size_t j = i + 1; j < odd.size(); ++j) {
-        if (!unmix(*odd[i], *odd[j])) continue;
-        odd.erase(odd.begin() + static_cast<std::ptrdiff_t>(j));
+    if (contradicting.size() > kMost) return;
+    for (std::size_t i = 0; i < contradicting.size(); ++i) {
+      for (std::size_t j = i + 1; j < contradicting.size(); ++j) {
+        if (!unmix(*contradicting[i], *contradicting[j])) continue;
+        contradicting.erase(contradicting.begin() + static_cast<std::ptrdiff_t>(j));
         break;
       }
     }

@@ -17,8 +17,8 @@ std::vector<SightedTag> sighted_in(const Observation& row, std::size_t number, s
   std::vector<SightedTag> sighted;
   for (const SeenTag& seen : row.tags) {
     const auto camera = camera_index(rig, seen.camera);
-    const bool tells = seen.survey == survey && seen.seen_corners && !seen.at_coded_place;
-    if (!tells || !camera) continue;
+    const bool is_used = seen.survey == survey && seen.seen_corners && !seen.at_coded_place;
+    if (!is_used || !camera) continue;
     sighted.push_back({std::to_string(number), *camera, seen.tag.name, *seen.seen_corners});
   }
   return sighted;

@@ -330,18 +330,18 @@ AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::siz
   return tag;
 }
 
-ControlGroup control_group(const Site& site, const GroupShift& told) {
+ControlGroup control_group(const Site& site, const GroupShift& measured) {
   constexpr double kNothing = 10;  // metres
   ControlGroup group;
-  Matrix3d covariance = told.covariance;
-  for (const std::size_t plate : told.plates) {
+  Matrix3d covariance = measured.covariance;
+  for (const std::size_t plate : measured.plates) {
     const SightedPlate& own = site.drive.plates[plate];
     group.tags.push_back(own.name);
     // A mistake of the station is common to all of its tags.
-    covariance += Matrix3d(own.survey_variance.head<3>().asDiagonal()) / told.plates.size();
+    covariance += Matrix3d(own.survey_variance.head<3>().asDiagonal()) / measured.plates.size();
   }
-  group.shift = told.shift.norm();
-  group.chi_square = squared_mahalanobis(told.shift, covariance);
+  group.shift = measured.shift.norm();
+  group.chi_square = squared_mahalanobis(measured.shift, covariance);
   group.unnoticed = kFarthestControl * worst_sigma(covariance);
   if (group.unnoticed > kNothing) group.unnoticed = std::numeric_limits<double>::infinity();
   return group;

@@ -230,7 +230,7 @@ namespace {
 // In order of precedence: a tag gets the first finding that applies.
 constexpr FindFault kFindings[] = {
     // Which tag it is, and whether it is read.
-    find_stranger,
+    find_unknown,
     find_duplicate,
     find_cut_off,
     find_unread,
@@ -358,7 +358,7 @@ void find_faults(PictureEvidence& evidence) {
   }
 }
 
-std::optional<Finding> find_stranger(const PictureEvidence& evidence, const TagEvidence& seen) {
+std::optional<Finding> find_unknown(const PictureEvidence& evidence, const TagEvidence& seen) {
   if (seen.sight != Sight::read) return std::nullopt;
   const Survey& survey = evidence.survey;
   const Digits& digits = *seen.tag.digits;

@@ -53,7 +53,7 @@ using FindFault = std::optional<Finding> (*)(const PictureEvidence&, const TagEv
 // Makes at most one finding for every tag: the first of the list, in its order of precedence.
 void find_faults(PictureEvidence& evidence);
 
-std::optional<Finding> find_stranger(const PictureEvidence& evidence, const TagEvidence& seen);
+std::optional<Finding> find_unknown(const PictureEvidence& evidence, const TagEvidence& seen);
 std::optional<Finding> find_duplicate(const PictureEvidence& evidence, const TagEvidence& seen);
 std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEvidence& seen);
 std::optional<Finding> find_unread(const PictureEvidence& evidence, const TagEvidence& seen);

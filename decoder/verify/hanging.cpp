@@ -191,14 +191,14 @@ std::optional<Finding> find_misplaced(const PictureEvidence& evidence, const Tag
   if (!evidence.is_photo) return std::nullopt;
   const std::vector<Contradiction> own = contradictions_of(evidence, seen);
   std::optional<Finding> found;
-  bool tells = true;
+  bool is_decided = true;
   for (const Contradiction& one : own) {
     const std::size_t others = contradictions_of(evidence, *one.other).size();
     if (others > own.size()) continue;
-    tells = tells && others < own.size();
+    is_decided = is_decided && others < own.size();
     found = one.finding;
   }
-  if (!found || tells) return found;
+  if (!found || is_decided) return found;
   found->status = TagStatus::doubtful;
   found->message += "; one of the two hangs wrong, or both";
   return found;

@@ -23,8 +23,8 @@ namespace tagsmith::detail {
 
 namespace {
 
-// A tag that may tell where it hangs: in the survey, and in this picture once.
-bool tells(const VerifiedTag& tag) {
+// A tag that may show where it hangs: in the survey, and in this picture once.
+bool shows_place(const VerifiedTag& tag) {
   const Finding& found = tag.finding;
   return found.status == TagStatus::ok || found.status == TagStatus::misplaced || found.doubts_up();
 }
@@ -51,8 +51,8 @@ std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const Verifi
   const std::string name = file.file.string();
   const Result<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
   if (!origin) {
-    const bool might_tell = !setup.by_lenses || std::ranges::count_if(file.tags, tells) > 1;
-    if (might_tell) {
+    const bool is_missed = !setup.by_lenses || std::ranges::count_if(file.tags, shows_place) > 1;
+    if (is_missed) {
       note = fmt::format(
           "{}: {}; where its tags hang was not checked", name,
           setup.by_lenses ? "does not name its camera and lens (EXIF)" : origin.error().message);
@@ -68,26 +68,28 @@ std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const Verifi
   return std::nullopt;
 }
 
-bool is_stranger(const VerifiedTag& tag) {
+bool is_unknown_tag(const VerifiedTag& tag) {
   return tag.digits && tag.tag.empty() &&
          (tag.finding.status == TagStatus::unknown || tag.finding.status == TagStatus::misprinted);
 }
 
-// The photo's tags that tell where they hang, by its camera, and those that the survey does not
+// The photo's tags that show where they hang, by its camera, and those that the survey does not
 // have.
 std::vector<SightedTag> sighted_tags(const Survey& survey, const HangingSetup& setup,
                                      VerifiedFile file, std::string& note) {
   std::vector<SightedTag> sighted;
   forget_hanging(file);
-  const auto counts = [](const VerifiedTag& tag) { return tells(tag) || is_stranger(tag); };
+  const auto counts = [](const VerifiedTag& tag) {
+    return shows_place(tag) || is_unknown_tag(tag);
+  };
   if (std::ranges::none_of(file.tags, counts)) return sighted;
   const std::optional<PhotoOrigin> origin = usable_origin(setup, file, note);
   for (const VerifiedTag& tag : file.tags) {
-    if (origin && is_stranger(tag)) {
+    if (origin && is_unknown_tag(tag)) {
       sighted.push_back({origin->station, origin->camera, to_string(*tag.digits),
                          seen_corners(tag.corners, tag.corner_covariance)});
     }
-    if (!origin || !tells(tag) || !tag.digits ||
+    if (!origin || !shows_place(tag) || !tag.digits ||
         find_tag(survey, std::string_view(tag.tag)) == nullptr ||
         std::ranges::count(file.tags, tag.tag, &VerifiedTag::tag) > 1) {
       continue;
@@ -211,9 +213,9 @@ void judge_up(const Survey& survey, const HangingSetup& setup, const HungTags& h
   if (!origin || !stands_level(setup.rig)) return;
   file.up = UpSource::rig;
   std::erase_if(file.notes,
-                [](const std::string& said) { return said.find(kDoubtedUp) != std::string::npos; });
+                [](const std::string& one) { return one.find(kDoubtedUp) != std::string::npos; });
   for (VerifiedTag& tag : file.tags) {
-    if (!tells(tag) || !hangs_upright(survey, tag)) continue;
+    if (!shows_place(tag) || !hangs_upright(survey, tag)) continue;
     const RigCamera& camera = setup.rig.cameras[origin->camera];
     if (is_on_head(camera, tag)) {
       tag.finding = {TagStatus::misprinted, "upside-down",
@@ -242,13 +244,13 @@ void judge_station(const HangingSetup& setup, const HungTags& hung,
   }
 }
 
-void judge_stranger(const HungTags& hung, const std::optional<PhotoOrigin>& origin,
-                    VerifiedTag& tag) {
-  if (!origin || !is_stranger(tag)) return;
-  const auto known = std::ranges::find_if(hung.strangers, [&](const Stranger& stranger) {
-    return stranger.station == origin->station && stranger.code == to_string(*tag.digits);
+void judge_unknown_tag(const HungTags& hung, const std::optional<PhotoOrigin>& origin,
+                       VerifiedTag& tag) {
+  if (!origin || !is_unknown_tag(tag)) return;
+  const auto known = std::ranges::find_if(hung.unknown_tags, [&](const UnknownTag& unknown) {
+    return unknown.station == origin->station && unknown.code == to_string(*tag.digits);
   });
-  if (known != hung.strangers.end()) tag.in_place_of = known->place;
+  if (known != hung.unknown_tags.end()) tag.in_place_of = known->place;
 }
 
 // Adds those that were seen, but never together with another; in the survey's order.
@@ -345,9 +347,9 @@ void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTa
   if (setup.by_lenses && !origin) return;
   forget_hanging(file);
   for (VerifiedTag& tag : file.tags) {
-    const HungTag* here = tells(tag) ? find_hung(hung, origin, tag.tag) : nullptr;
+    const HungTag* here = shows_place(tag) ? find_hung(hung, origin, tag.tag) : nullptr;
     if (here != nullptr) judge_place(*here, tag);
-    judge_stranger(hung, origin, tag);
+    judge_unknown_tag(hung, origin, tag);
   }
   judge_station(setup, hung, origin, file);
   judge_up(survey, setup, hung, file);

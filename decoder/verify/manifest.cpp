@@ -276,7 +276,7 @@ void find_unlisted(const PrintManifest& manifest, VerifiedFile& file) {
 
 ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file) {
   if (std::ranges::count(manifest.documents, file) > 0) return ManifestEntry::document;
-  if (tags_of_file(manifest, file).empty()) return ManifestEntry::stranger;
+  if (tags_of_file(manifest, file).empty()) return ManifestEntry::unlisted;
   return manifest.tiled ? ManifestEntry::tiles : ManifestEntry::tags;
 }
 

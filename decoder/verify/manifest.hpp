@@ -37,7 +37,7 @@ struct PrintManifest {
   std::string sha256_of_file;
   std::string survey;
   std::vector<ManifestTag> tags;
-  std::string revision{};                       // of the survey; empty = not said
+  std::string revision{};                       // of the survey; empty = not stated
   std::vector<std::string> documents{};         // files without a tag for hanging
   std::map<std::string, std::string> sha256{};  // by file
   std::map<std::string, double> lengths{};      // of plates, named as by printed_lengths, mm
@@ -54,7 +54,7 @@ struct PrintManifest {
 std::vector<ManifestTag> tags_of_file(const PrintManifest& manifest, const std::string& file);
 
 // What a file of the manifest is, for a check of it.
-enum class ManifestEntry { tags, tiles, document, stranger };
+enum class ManifestEntry { tags, tiles, document, unlisted };
 ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file);
 
 // The manifest beside a print file; nothing when there is none, or when the manifest.json there is

@@ -52,7 +52,7 @@ inline constexpr std::size_t kUpSources = 5;
 std::string to_string(UpSource source);
 
 // True when a tag that is upside down would have been detected.
-inline bool tells_up(UpSource source) {
+inline bool is_up_known(UpSource source) {
   return source != UpSource::unknown && source != UpSource::doubted;
 }
 

@@ -511,8 +511,8 @@ Result<VerifiedFile> verify_file(const VerifyRequest& request, const InputFile& 
   const auto manifest = manifest_beside(request, input.path);
   if (!manifest) return fail(manifest.error().message);
   const std::string name = input.path.filename().string();
-  const ManifestEntry entry = *manifest ? entry_of(**manifest, name) : ManifestEntry::stranger;
-  const bool is_printed = entry != ManifestEntry::stranger;
+  const ManifestEntry entry = *manifest ? entry_of(**manifest, name) : ManifestEntry::unlisted;
+  const bool is_printed = entry != ManifestEntry::unlisted;
   Task task{request, input};
   if (is_printed) {
     task.manifest = manifest->get();

@@ -98,7 +98,7 @@ void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
     if (in_order && file.is_photo()) {
       const bool fits = tag.hung && tag.hung->verdict == HangVerdict::fits;
       ++record.photos;
-      record.upright += tells_up(file.up) || fits ? 1 : 0;
+      record.upright += is_up_known(file.up) || fits ? 1 : 0;
     }
     if (in_order && tag.grade) add_grade(record, *tag.grade);
   }
@@ -117,7 +117,7 @@ void know_faults(const std::string& identity, const VerifiedFile& file, VerifyMe
   for (const std::string& rule : file.rules) merged.known.insert(fault_hash(identity, rule));
 }
 
-// What another run did not find in the same file, as one that was told the rig or the resolution
+// What another run did not find in the same file, as one that was given the rig or the resolution
 // finds more. Such a file is counted once, but nothing that was found is lost.
 void add_new_faults(const std::string& identity, VerifiedFile& file, VerifyMerge& merged) {
   const auto is_new = [&](const std::string& words) {

@@ -215,20 +215,20 @@ TEST_CASE("a strange code is linked to the place where it hangs when no photo sh
   const std::string code = "123456789012";
   Corridor corridor;
   std::vector<SightedTag> sighted = corridor.seen();
-  const auto strangers_of = [&] {
-    return check_hung_tags(corridor.survey, corridor.rig, sighted).strangers;
+  const auto unknown_tags_of = [&] {
+    return check_hung_tags(corridor.survey, corridor.rig, sighted).unknown_tags;
   };
-  CHECK(strangers_of().empty());
+  CHECK(unknown_tags_of().empty());
   // One more plate than the survey has, where none should hang.
   const SightedTag known = sighted.front();
   sighted.push_back(known);
   sighted.back().tag = code;
   for (PixelPoint& corner : sighted.back().seen.corners) corner.y -= 300;
-  CHECK(strangers_of().empty());
+  CHECK(unknown_tags_of().empty());
   // Where the tag hangs that bears the code, but it is seen there, too.
   sighted.back() = known;
   sighted.back().tag = code;
-  CHECK(strangers_of().empty());
+  CHECK(unknown_tags_of().empty());
   sighted.pop_back();
   std::size_t count = 0;
   for (SightedTag& tag : sighted) {
@@ -236,16 +236,16 @@ TEST_CASE("a strange code is linked to the place where it hangs when no photo sh
     tag.tag = code;
     ++count;
   }
-  const std::vector<Stranger> strangers = strangers_of();
+  const std::vector<UnknownTag> unknown_tags = unknown_tags_of();
   REQUIRE(count > 0);
-  CHECK(strangers.size() == count);
-  for (const Stranger& stranger : strangers) {
-    CHECK(stranger.code == code);
-    CHECK(stranger.place == "001R");
+  CHECK(unknown_tags.size() == count);
+  for (const UnknownTag& unknown : unknown_tags) {
+    CHECK(unknown.code == code);
+    CHECK(unknown.place == "001R");
   }
   // By a rig that fits nothing no place is known.
   for (RigCamera& camera : corridor.rig.cameras) camera.camera.fx = camera.camera.fy = 1100;
-  CHECK(strangers_of().empty());
+  CHECK(unknown_tags_of().empty());
 }
 
 TEST_CASE(

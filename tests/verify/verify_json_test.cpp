@@ -46,10 +46,10 @@ VerifiedFile photo() {
   moved.picture.file = "a-1.png";
   moved.hung = HungTag{"001L", HangVerdict::off, 1, {}, {}, {"000L"}, "", ""};
   moved.hung->placed = "{ tag: 001L, side: left }";
-  VerifiedTag& stranger = file.tags.emplace_back();
-  stranger.finding = {TagStatus::unknown, "not-in-survey", "strange"};
-  stranger.digits = parse_digits("123456789012");
-  stranger.in_place_of = "001R";
+  VerifiedTag& unknown = file.tags.emplace_back();
+  unknown.finding = {TagStatus::unknown, "not-in-survey", "strange"};
+  unknown.digits = parse_digits("123456789012");
+  unknown.in_place_of = "001R";
   return file;
 }
 
