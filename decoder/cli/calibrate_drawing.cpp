@@ -16,6 +16,7 @@
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/drawing_title.hpp"
+#include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tagsmith/render/text.hpp"
@@ -419,11 +420,14 @@ DrawingView summary_view(const BoardCalibration& result) {
   return view;
 }
 
-}  // namespace
-
+// The three pictures, in paper's size: the image with its ray sigmas and the corners seen; the
+// residuals as arrows; the distortion along the radius, and below it, magnified, its standard
+// deviation and how the runner-up differs.
 std::vector<DrawingView> calibration_views(const BoardCalibration& result) {
   return {coverage_view(result), residual_view(result), distortion_view(result)};
 }
+
+}  // namespace
 
 Result<std::vector<Sheet>> draw_calibration(const BoardCalibration& result) {
   std::vector<DrawingView> views = calibration_views(result);

@@ -369,8 +369,7 @@ std::string heading(const Survey& survey, const VerifyMerge& merged) {
   return text + "</p>\n";
 }
 
-}  // namespace
-
+// The report as one web page without further files.
 std::string report_page(const Survey& survey, const VerifyMerge& merged) {
   const Completeness covered = completeness_of(survey, merged);
   return page_head("Verification of " + markup_text(survey.name), report_style(), true) +
@@ -392,8 +391,6 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
 
 // ---- The files.
 
-namespace {
-
 namespace fs = std::filesystem;
 
 std::string number(const std::optional<double>& value) {
@@ -409,6 +406,26 @@ std::map<std::string, std::string> findings_by_tag(const VerifyMerge& merged) {
     words += (words.empty() ? "" : "; ") + fault.message;
   }
   return findings;
+}
+
+// A line a tag of the survey: tag, digits, chainage_m, status, seen, faults, best_grade,
+// worst_grade, blame, side, upright ("checked", "unchecked", or nothing when never in order),
+// finding: what is wrong with it, in words, placement ("checked", "unchecked", or nothing).
+std::string report_csv(const Survey& survey, const VerifyMerge& merged) {
+  std::string csv =
+      csv_row({"tag", "digits", "chainage_m", "status", "seen", "faults", "best_grade",
+               "worst_grade", "blame", "side", "upright", "finding", "placement"});
+  const std::map<std::string, std::string> findings = findings_by_tag(merged);
+  for (const PlacedTag& tag : survey.tags) {
+    const TagRecord record = record_of(merged, tag.name);
+    const auto finding = findings.find(tag.name);
+    csv +=
+        csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3), status_of(record),
+                 std::to_string(record.seen), std::to_string(record.faults), number(record.best),
+                 number(record.worst), record.blame, to_string(tag.side), upright_of(record),
+                 finding == findings.end() ? "" : finding->second, placement_of(record)});
+  }
+  return csv;
 }
 
 // A file that a line names, where it may have been copied together with the lines: as named, or in
@@ -501,23 +518,6 @@ Result<void> write_report(const ReportFiles& report, const Survey& survey,
     written.push_back({report.pdf, std::move(*pdf)});
   }
   return publish_files(written);
-}
-
-std::string report_csv(const Survey& survey, const VerifyMerge& merged) {
-  std::string csv =
-      csv_row({"tag", "digits", "chainage_m", "status", "seen", "faults", "best_grade",
-               "worst_grade", "blame", "side", "upright", "finding", "placement"});
-  const std::map<std::string, std::string> findings = findings_by_tag(merged);
-  for (const PlacedTag& tag : survey.tags) {
-    const TagRecord record = record_of(merged, tag.name);
-    const auto finding = findings.find(tag.name);
-    csv +=
-        csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3), status_of(record),
-                 std::to_string(record.seen), std::to_string(record.faults), number(record.best),
-                 number(record.worst), record.blame, to_string(tag.side), upright_of(record),
-                 finding == findings.end() ? "" : finding->second, placement_of(record)});
-  }
-  return csv;
 }
 
 std::string report_picture(const GrayView& crop) {

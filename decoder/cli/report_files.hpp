@@ -35,14 +35,6 @@ void add_report_files(const ReportFiles& report, CommandFiles& files);
 Result<void> write_report(const ReportFiles& report, const Survey& survey,
                           const VerifyMerge& merged, const CommandFiles& files);
 
-// A line a tag of the survey: tag, digits, chainage_m, status, seen, faults, best_grade,
-// worst_grade, blame, side, upright ("checked", "unchecked", or nothing when never in order),
-// finding: what is wrong with it, in words, placement ("checked", "unchecked", or nothing).
-std::string report_csv(const Survey& survey, const VerifyMerge& merged);
-
-// The report as one web page without further files.
-std::string report_page(const Survey& survey, const VerifyMerge& merged);
-
 // The report as a document: summary and map, faults with their pictures, all tags. Fails as
 // lay_out_sheets does.
 Result<std::vector<Sheet>> draw_report(const Survey& survey, const VerifyMerge& merged);
@@ -52,8 +44,9 @@ std::string report_picture(const GrayView& crop);
 
 // Fills the pictures of faults of tags that have none yet: from the crop that was saved, at the
 // path as written, or in that folder or its `crops` beside `lines`, the files of JSON lines; else
-// cut out of the photo, if it is the one that was verified. All beyond kMostPictureBytes, and those
-// that are not available, say why in `no_picture`. The files that are read are added to `files`.
+// cut out of the photo, if it is the one that was verified. Those that a report has no space for,
+// and those that are not available, say why in `no_picture`. The files that are read are added to
+// `files`.
 void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines, CommandFiles& files);
 
 // In words: "14 of 16 tags seen (88 %), ..." and one line for each stretch that was not, at most

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/cli/report_files.hpp"
+#include "decoder/ledger/plate_history.hpp"
 #include "decoder/verify/verify_json.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/text.hpp"
@@ -22,9 +23,81 @@
 
 namespace tagsmith::detail {
 
-// ---- The ledger as one web page: what to do now, then what to plan, then all plates.
+// ---- In words.
 
 namespace {
+
+// ", taken from 2026-03-12 to 2027-05-01"; empty when no photo says its day.
+std::string days_in_words(const LedgerReport& report) {
+  if (!report.newest) return "";
+  return fmt::format(", taken from {} to {}", to_text(*report.oldest), to_text(*report.newest));
+}
+
+// A sentence for each kind of photos that say less than others, without its full stop.
+std::vector<std::string> doubts_in_words(const LedgerReport& report) {
+  std::vector<std::string> sentences;
+  if (report.photos.undated > 0) {
+    sentences.push_back(
+        fmt::format("{} of them without a date, and in no trend", report.photos.undated));
+  }
+  if (report.photos.future > 0) {
+    sentences.push_back(fmt::format(
+        "{} of them dated in the future, and counted as undated: set the camera's clock",
+        report.photos.future));
+  }
+  if (report.photos.clock_reset > 0) {
+    sentences.push_back(
+        fmt::format("{} of them dated before {}, and counted as undated: set the camera's clock",
+                    report.photos.clock_reset, kFirstPhotos.substr(0, 4)));
+  }
+  if (report.photos.other_revisions > 0) {
+    sentences.push_back(fmt::format(
+        "{} of them verified against another state of the survey: where plates hang was "
+        "judged by that; verify them again",
+        report.photos.other_revisions));
+  }
+  if (report.nameless > 0) {
+    sentences.push_back(fmt::format(
+        "{} of plates that were not read when plates had other names: verify these photos again",
+        counted(report.nameless, "fault")));
+  }
+  return sentences;
+}
+
+// "2026-03-12", or the words in its place.
+std::string last_found_in_words(const MendedFault& fault) {
+  return fault.last_found ? to_text(*fault.last_found) : "a photo without a date";
+}
+
+// "2027-05-01 (2027-03-12 to 2027-08-20)", "not before 2027-03-12", or "no trend yet".
+std::string due_in_words(const PlateState& plate) {
+  if (!plate.due) return "no trend yet";
+  const PlateDue& due = *plate.due;
+  if (due.is_past) return "passed";
+  if (!due.expected) return "not before " + to_text(due.not_before);
+  return fmt::format("{} ({} {})", to_text(*due.expected), to_text(due.not_before),
+                     due.not_after ? "to " + to_text(*due.not_after) : "or later");
+}
+
+// Quoted so that a shell takes it as one word.
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,-";
+  if (text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+// The command that prints the plates which are to be reprinted; empty when there are none.
+std::string print_command_for(const Survey& survey, const LedgerReport& report) {
+  const std::vector<std::string> tags = plates_to(PlateAction::reprint, survey, report);
+  if (tags.empty()) return {};
+  return fmt::format("tagsmith print {} --tags {} -o print", shell_word(survey.file.string()),
+                     shell_word(fmt::format("{}", fmt::join(tags, ","))));
+}
+
+// ---- The ledger as one web page: what to do now, then what to plan, then all plates.
 
 constexpr const char* kLedgerStyle = R"css(
 .do { font-size: 1rem; } .do th, .do td { font-size: 1rem; }
@@ -191,8 +264,6 @@ constexpr const char* kLegend =
     "<li>Look: photos show the plates on both sides, and not this one, on two days or "
     "more; or it failed on the last day alone.</li>\n</ul></details>\n";
 
-}  // namespace
-
 std::string ledger_page(const Survey& survey, const LedgerReport& report) {
   return page_head("Ledger of " + markup_text(survey.name),
                    std::string(report_style()) + kLedgerStyle, false) +
@@ -209,23 +280,11 @@ std::string ledger_page(const Survey& survey, const LedgerReport& report) {
 
 // ---- The report.
 
-namespace {
-
 using Json = nlohmann::ordered_json;
 
 // What must be done now.
 constexpr std::array kNow{PlateAction::reprint, PlateAction::clean, PlateAction::rehang,
                           PlateAction::look};
-
-// Quoted so that a shell takes it as one word.
-std::string shell_word(const std::string& text) {
-  constexpr std::string_view kPlain =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,-";
-  if (text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
 
 double rounded(double value) { return with_decimals(value, 4); }
 
@@ -416,61 +475,6 @@ void LedgerWriter::print_tally() const {
     to_stderr("{}: {} of these say no date (EXIF, or `time` of the run): they are in no trend\n",
               path_, tally_.undated);
   }
-}
-
-std::string days_in_words(const LedgerReport& report) {
-  if (!report.newest) return "";
-  return fmt::format(", taken from {} to {}", to_text(*report.oldest), to_text(*report.newest));
-}
-
-std::vector<std::string> doubts_in_words(const LedgerReport& report) {
-  std::vector<std::string> sentences;
-  if (report.photos.undated > 0) {
-    sentences.push_back(
-        fmt::format("{} of them without a date, and in no trend", report.photos.undated));
-  }
-  if (report.photos.future > 0) {
-    sentences.push_back(fmt::format(
-        "{} of them dated in the future, and counted as undated: set the camera's clock",
-        report.photos.future));
-  }
-  if (report.photos.clock_reset > 0) {
-    sentences.push_back(
-        fmt::format("{} of them dated before {}, and counted as undated: set the camera's clock",
-                    report.photos.clock_reset, kFirstPhotos.substr(0, 4)));
-  }
-  if (report.photos.other_revisions > 0) {
-    sentences.push_back(fmt::format(
-        "{} of them verified against another state of the survey: where plates hang was "
-        "judged by that; verify them again",
-        report.photos.other_revisions));
-  }
-  if (report.nameless > 0) {
-    sentences.push_back(fmt::format(
-        "{} of plates that were not read when plates had other names: verify these photos again",
-        counted(report.nameless, "fault")));
-  }
-  return sentences;
-}
-
-std::string last_found_in_words(const MendedFault& fault) {
-  return fault.last_found ? to_text(*fault.last_found) : "a photo without a date";
-}
-
-std::string due_in_words(const PlateState& plate) {
-  if (!plate.due) return "no trend yet";
-  const PlateDue& due = *plate.due;
-  if (due.is_past) return "passed";
-  if (!due.expected) return "not before " + to_text(due.not_before);
-  return fmt::format("{} ({} {})", to_text(*due.expected), to_text(due.not_before),
-                     due.not_after ? "to " + to_text(*due.not_after) : "or later");
-}
-
-std::string print_command_for(const Survey& survey, const LedgerReport& report) {
-  const std::vector<std::string> tags = plates_to(PlateAction::reprint, survey, report);
-  if (tags.empty()) return {};
-  return fmt::format("tagsmith print {} --tags {} -o print", shell_word(survey.file.string()),
-                     shell_word(fmt::format("{}", fmt::join(tags, ","))));
 }
 
 Result<int> report_ledger(const LedgerOptions& options) {

@@ -8,10 +8,8 @@
 #include <vector>
 
 #include "decoder/ledger/ledger.hpp"
-#include "decoder/ledger/plate_history.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
-#include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
 
@@ -57,23 +55,5 @@ class LedgerWriter {
 
 // The exit code: 1 when something must be done now.
 Result<int> report_ledger(const LedgerOptions& options);
-
-// The page for the people who look after the tags, without further files.
-std::string ledger_page(const Survey& survey, const LedgerReport& report);
-
-// ", taken from 2026-03-12 to 2027-05-01"; empty when no photo says its day.
-std::string days_in_words(const LedgerReport& report);
-
-// A sentence for each kind of photos that say less than others, without its full stop.
-std::vector<std::string> doubts_in_words(const LedgerReport& report);
-
-// "2026-03-12", or the words in its place.
-std::string last_found_in_words(const MendedFault& fault);
-
-// "2027-05-01 (2027-03-12 to 2027-08-20)", "not before 2027-03-12", or "no trend yet".
-std::string due_in_words(const PlateState& plate);
-
-// The command that prints the plates which are to be reprinted; empty when there are none.
-std::string print_command_for(const Survey& survey, const LedgerReport& report);
 
 }  // namespace tagsmith::detail

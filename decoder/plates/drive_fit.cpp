@@ -260,6 +260,9 @@ Rig calibrated_by_plates(AdjustmentProblem problem) {
   return fitted;
 }
 
+namespace {
+
+// Of a sighting's corners; infinite where the fit cannot see it.
 double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t station,
                      const Sighting& sighting) {
   const auto& vehicle = fit.adjustment.vehicles[station];
@@ -273,8 +276,6 @@ double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t statio
   return squared_mahalanobis(rows->predicted - sighting.pixels,
                              sighting.covariance_with_edges() + by_motion * by_motion.transpose());
 }
-
-namespace {
 
 // The chi-squares of all sightings, station by station.
 std::vector<double> chi_squares(const DriveFit& fit, const Drive& drive) {

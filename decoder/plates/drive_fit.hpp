@@ -75,10 +75,6 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
 // to the pictures that remain after the simplest explanation of plates that hang elsewhere.
 Rig calibrated_by_plates(AdjustmentProblem problem);
 
-// Chi-square of a sighting's corners; infinite where the fit cannot see it.
-double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t station,
-                     const Sighting& sighting);
-
 // The factor by which the corners' chi-square exceeds chance: the median over all sightings, at
 // least 1. It is raised by errors that the stated covariances leave out.
 double usual_excess(const DriveFit& fit, const Drive& drive);

@@ -241,6 +241,7 @@ HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::si
   tag.verdict = check.verdict;
   tag.stations = check.stations;
   if (check.verdict == HangVerdict::off) {
+    constexpr double kMostOdds = 99;
     tag.odds = std::min(kMostOdds, check.log_odds * std::numbers::log10e);
   }
   for (const std::size_t rival : check.rivals) tag.rivals.push_back(problem.plates[rival].name);

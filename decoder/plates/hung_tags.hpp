@@ -38,14 +38,11 @@ struct HungTag {
   std::vector<std::string> rivals;  // of a doubtful tag
   std::string rule;                 // docs/verify-rules.md; empty when nothing is wrong
   std::string message;              // what is wrong; for a tag that is off, what to do
-  // Of a tag that is off: decimal logarithm of the odds over the next explanation, at most
-  // kMostOdds.
+  // Of a tag that is off: decimal logarithm of the odds over the next explanation, at most 99.
   double odds{};
   // Of a moved tag: its entry in the survey's `placed` if it stays there.
   std::string placed{};
 };
-
-inline constexpr double kMostOdds = 99;
 
 // A plate whose code is not in the survey and that hangs where a tag of the survey should be, which
 // no photo shows.

@@ -31,6 +31,11 @@ bool shows(const SightedPair& pair, std::size_t plate) {
   return pair.plates[0] == plate || pair.plates[1] == plate;
 }
 
+// Degrees of freedom of a station's corners, all plates being known.
+int corner_degrees(const Station& station) {
+  return static_cast<int>(kSightingRows * station.sightings.size()) - 6;
+}
+
 class PlateSearch {
  public:
   PlateSearch(AdjustmentProblem problem, const Given& given) : given_(given) {
@@ -433,10 +438,6 @@ double excess(const PlateOffset& offset) {
                    offset.shift_chi_square / chi_square_limit(3, kGate),
                    offset.turn_chi_square / chi_square_limit(3, kGate),
                    offset.chi_square / chi_square_limit(6, kGate)});
-}
-
-int corner_degrees(const Station& station) {
-  return static_cast<int>(kSightingRows * station.sightings.size()) - 6;
 }
 
 bool fits_badly(const Station& station, double chi_square) {

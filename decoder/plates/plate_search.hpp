@@ -32,9 +32,6 @@ std::vector<SightedPair> compare_pairs(const AdjustmentProblem& problem);
 // than 1 is rare (once in 400).
 double excess(const PlateOffset& offset);
 
-// Degrees of freedom of a station's corners, all plates being known.
-int corner_degrees(const Station& station);
-
 // True when the station's corners are farther from the fit than noise is.
 bool fits_badly(const Station& station, double chi_square);
 

@@ -14,6 +14,17 @@
 namespace tagsmith::detail {
 namespace {
 
+// Faults that are listed; all are counted.
+constexpr std::size_t kMostListedFaults = 20'000;
+
+// Notes that are listed.
+constexpr std::size_t kMostListedNotes = 1'000;
+
+// Bytes of the faults' pictures that a report holds; and of those of whole photos and pages, so
+// that many photos without a tag leave space for the pictures of tags.
+constexpr std::size_t kMostPictureBytes = 12U << 20U;
+constexpr std::size_t kMostWholeBytes = 4U << 20U;
+
 void add_fault(VerifyMerge& merged, FaultRecord fault) {
   ++merged.fault_count;
   if (merged.faults.size() >= kMostListedFaults) return;

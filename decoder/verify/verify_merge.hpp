@@ -58,17 +58,6 @@ struct NotedUp {
   std::size_t on_head = 0;
 };
 
-// Faults that are listed; all are counted.
-inline constexpr std::size_t kMostListedFaults = 20'000;
-
-// Notes that are listed.
-inline constexpr std::size_t kMostListedNotes = 1'000;
-
-// Bytes of the faults' pictures that a report holds; and of those of whole photos and pages, so
-// that many photos without a tag leave space for the pictures of tags.
-inline constexpr std::size_t kMostPictureBytes = 12U << 20U;
-inline constexpr std::size_t kMostWholeBytes = 4U << 20U;
-
 struct VerifyMerge {
   std::size_t files = 0;
   std::size_t repeated = 0;         // verified in more than one run, and counted once;
