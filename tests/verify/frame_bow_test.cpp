@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/frame_bow.hpp"
+
 #include <cmath>
 #include <string>
 
@@ -7,7 +9,6 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
-#include "decoder/verify/findings.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"
