@@ -110,7 +110,9 @@ SingleFits fit_single(JointProblem& problem, std::size_t index) {
   }
   const double raised = corners_chi_square(fits.front()) / kFree;
   if (raised > kMostRaised) {
-    result.reason = "its corners do not fit a plate of its template on its wall";
+    result.reason =
+        "its corners do not fit a plate of its template on its wall: it is twisted or bent, "
+        "something lies along an edge of its frame, or rig or template are those of others";
     return result;
   }
   if (corners_chi_square(fits.front()) > kAsStated) {

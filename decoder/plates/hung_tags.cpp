@@ -376,7 +376,12 @@ UnplacedTags unplaced_tags(const Survey& survey, const AdjustmentProblem& proble
     if (!cause.empty()) causes.push_back(std::move(cause));
   }
   if (station.fits_apart) causes.push_back("photos that were not taken together");
-  if (causes.empty()) causes.push_back("several plates that hang wrong, or another rig");
+  constexpr std::size_t kSeldom = 3;  // stations: no more are mixed up by chance
+  if (causes.empty() || consensus.left_out.size() > kSeldom) {
+    causes.push_back(
+        "several plates that hang wrong, another rig, or a window before a camera that the rig was "
+        "not calibrated with");
+  }
   UnplacedTags unplaced{station.name, {}};
   for (const std::string& name : names) {
     HungTag tag;
@@ -451,6 +456,30 @@ std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProbl
     }
   }
   return untied;
+}
+
+// Tags of which every picture shows corners that no flat plate of the template has: nothing
+// compares where these hang.
+void name_not_flat(const AdjustmentProblem& problem, std::vector<HungTag>& tags) {
+  enum Shape { unseen, flat, not_flat };
+  std::vector<Shape> shapes(tags.size(), unseen);
+  for (const Station& station : problem.stations) {
+    for (Sighting sighting : station.sightings) {
+      Shape& shape = shapes[sighting.plate];
+      if (tags[sighting.plate].verdict != HangVerdict::unchecked || shape == flat) continue;
+      shape = make_consistent(problem, sighting) ? flat : not_flat;
+    }
+  }
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    if (shapes[i] != not_flat) continue;
+    tags[i].verdict = HangVerdict::doubtful;
+    tags[i].rule = "not-flat";
+    tags[i].message = fmt::format(
+        "{} is no flat plate of its template: no place of the camera explains its four corners. It "
+        "is twisted or bent, something lies along an edge of its frame, or rig or template are "
+        "those of others. Left out of where tags hang",
+        tags[i].tag);
+  }
 }
 
 // What to do about a second copy, in each of the stations that show it.
@@ -565,11 +594,12 @@ HungTags hung_as_surveyed(const Survey& survey, const Rig& rig, std::span<const 
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
   name_doubts(survey, problem, consensus, result.tags);
+  name_not_flat(problem, result.tags);
   if (!result.nothing_fits) {
     result.unknown_tags = find_unknown_tags(survey, problem, sighted, result.tags);
-  }
-  for (const LeftOutStation& station : consensus.left_out) {
-    result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));
+    for (const LeftOutStation& station : consensus.left_out) {
+      result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));
+    }
   }
   for (const FoundCopy& copy : consensus.copies) add_copy(problem, copy, result);
   result.mixed = consensus.mixed;

@@ -23,7 +23,8 @@ BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol);
 // the opposite direction to the other half), and from where the bars end (`bar_ends_of`).
 // Differences between these beyond the expected are added to the covariance; where they contradict
 // the frame, its corners stay. A side whose stroke differs from the others (stroke_edges.hpp) is
-// unsure, and so are corners where the bars of several heights lie on no straight line. Why: docs/decisions/0007-corner-covariance.md.
+// unsure, and so are corners where the bars of several heights lie on no straight line. Why:
+// docs/decisions/0007-corner-covariance.md.
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
                                        const BothEnds& ends);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <vector>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
@@ -18,7 +19,6 @@ namespace {
 // From the inner edge of a stroke outwards, at a share of the side's length.
 struct AcrossStroke {
   PixelPoint inner, outer;  // as the layout has them
-  double share = 0;
 };
 
 AcrossStroke across_stroke(const FrameHomography& map, const FrameShape& shape, std::size_t side,
@@ -29,7 +29,7 @@ AcrossStroke across_stroke(const FrameHomography& map, const FrameShape& shape, 
   const double thick = shape.stroke / (side % 2 == 0 ? shape.height : shape.length);
   const PixelPoint along = end - begin;
   const PixelPoint outer = inner + thick * PixelPoint{along.y, -along.x};
-  return {map(inner.x, inner.y), map(outer.x, outer.y), share};
+  return {map(inner.x, inner.y), map(outer.x, outer.y)};
 }
 
 // How far beyond its place in the layout a stroke ends, pixels.
@@ -47,19 +47,18 @@ std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line,
   std::vector<double> levels(static_cast<std::size_t>(last - first + 1));
   sample_line(image, places, levels);
   const ToneCurve& tone = ToneCurve::of(image);
-  const double at_begin = (side.white_begin + side.black_begin) / 2;
-  const double at_end = (side.white_end + side.black_end) / 2;
-  const double half = at_begin + line.share * (at_end - at_begin);
-  double before = tone.light_near(levels.front());
-  if (before > half) return std::nullopt;
-  for (std::size_t i = 1; i < levels.size(); ++i) {
-    const double light = tone.light_near(levels[i]);
-    if (light > half) {
-      return first + static_cast<double>(i) - (light - half) / (light - before) - thickness;
-    }
-    before = light;
-  }
-  return std::nullopt;
+  std::ranges::transform(levels, levels.begin(),
+                         [&](double level) { return tone.light_near(level); });
+  // Beside the stroke it may be darker than inside the frame: shadows end along strokes, too.
+  const double black = levels.front(), white = std::ranges::max(levels);
+  const double contrast =
+      std::min(side.white_begin - side.black_begin, side.white_end - side.black_end);
+  if (!(white - black > 0.15 * std::max(contrast, 0.1))) return std::nullopt;
+  const double half = (white + black) / 2;
+  const auto end = std::ranges::find_if(levels, [&](double light) { return light > half; });
+  const double before = *std::prev(end);
+  return first + static_cast<double>(end - levels.begin()) - (*end - half) / (*end - before) -
+         thickness;
 }
 
 // A stroke's excess besides growth, as its layout has it; `thickness` is set to that of the layout.

@@ -125,8 +125,11 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
       "rig crawler states no sigma of camera left, right: edge 0.1 pixels, position 5 mm, angle "
       "0.5 "
       "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
-  CHECK(json["assumed"] == nlohmann::json::array({survey, rig}));
-  CHECK(output.err == "tagsmith plan: " + survey + "\ntagsmith plan: " + rig + "\n");
+  const std::string shutter =
+      "rig crawler states no readout of camera left, right: a global shutter assumed";
+  CHECK(json["assumed"] == nlohmann::json::array({survey, rig, shutter}));
+  CHECK(output.err == "tagsmith plan: " + survey + "\ntagsmith plan: " + rig +
+                          "\ntagsmith plan: " + shutter + "\n");
   CHECK(json["accuracy"]["plane"]["median"] > 0.003);
   const ProgramOutput stated = run_tagsmith(kCorridor + " --from 2 --to 2.2 --json");
   CHECK(stated.err.empty());

@@ -123,6 +123,23 @@ TEST_CASE("rolling shutters of a drive whose speed varies accuse no plate") {
   }
 }
 
+TEST_CASE("a twisted plate is named, and the others are judged without it") {
+  const Corridor corridor;
+  std::vector<SightedTag> sighted = corridor.seen();
+  for (SightedTag& tag : sighted) {
+    if (tag.tag != "002R") continue;
+    for (const std::size_t corner : {0, 2}) tag.seen.corners[corner].y -= 3;
+    for (const std::size_t corner : {1, 3}) tag.seen.corners[corner].y += 3;
+  }
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, sighted);
+  CHECK_FALSE(result.nothing_fits);
+  for (const HungTag& tag : result.tags) {
+    CAPTURE(tag.tag);
+    CHECK(tag.rule == (tag.tag == "002R" ? "not-flat" : ""));
+    CHECK(tag.verdict == (tag.tag == "002R" ? HangVerdict::doubtful : HangVerdict::fits));
+  }
+}
+
 TEST_CASE(
     "a frame of another size that hangs elsewhere takes two mistakes: named, and not certain") {
   // One that hangs elsewhere is certain. A block of plates that hang further along looks like both.
