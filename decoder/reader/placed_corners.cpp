@@ -31,7 +31,7 @@ PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show,
                               const StrokeExcesses& excesses) {
   RefinedFrame frame = symbol.frame;
   for (std::size_t i = 0; i < 4; ++i) {
-    if (!excesses[i] || std::abs(excesses[i]->px) < 3 * excesses[i]->sigma_px) continue;
+    if (!excesses[i] || std::abs(excesses[i]->px) < 2 * excesses[i]->sigma_px) continue;
     const Eigen::Matrix2d shape{{1.25, 1}, {1, 1.25}};
     frame.sides[i].covariance += excesses[i]->px * excesses[i]->px * shape;
   }

@@ -53,7 +53,7 @@ std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line,
   const double black = levels.front(), white = std::ranges::max(levels);
   const double contrast =
       std::min(side.white_begin - side.black_begin, side.white_end - side.black_end);
-  if (!(white - black > 0.15 * std::max(contrast, 0.1))) return std::nullopt;
+  if (!(white - black > 0.08 * std::max(contrast, 0.1))) return std::nullopt;
   const double half = (white + black) / 2;
   const auto end = std::ranges::find_if(levels, [&](double light) { return light > half; });
   const double before = *std::prev(end);
