@@ -17,6 +17,7 @@
 #include "decoder/reader/stroke_edges.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/symbol_fit.hpp"
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -110,7 +111,8 @@ SeenBands seen_bands(const SymbolHypothesis& symbol, const RobustProfile& rows) 
     SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
     bars = seen_places(rows.of_agreeing_rows(band_of(i)).bins, symbol.decoding.digits,
                        symbol.decoding.fit.image);
-    bars.covariance *= kCorner.alike * (symbol.frame.was_sharpened ? bars.correlation : 1);
+    bars.covariance *=
+        kCorner.alike * (symbol.frame.was_sharpened ? correlation_factor(bars.residuals) : 1);
   }
   return bands;
 }

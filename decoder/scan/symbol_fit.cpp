@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {
@@ -186,7 +186,7 @@ SeenPlaces seen_places(const ScanProfile& profile, const Digits& digits, const I
   std::vector<float> residuals;
   for (const WeighedPlace& place : places) residuals.push_back(place.residual);
   return {p.segment<3>(kShift), normal.of_profile / freedom * inverse.block<3, 3>(kShift, kShift),
-          correlation_factor(residuals)};
+          std::move(residuals)};
 }
 
 std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,

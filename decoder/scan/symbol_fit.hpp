@@ -30,7 +30,7 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
 struct SeenPlaces {
   Eigen::Vector3d displacement;  // shift, stretch and bend of an ImagingModel
   Eigen::Matrix3d covariance;    // as if all places of the profile were independent of each other
-  double correlation = 1;        // correlation_factor of the residuals
+  std::vector<float> residuals;  // of the places, in standard deviations
 
   // How the place of a module changes with the displacement.
   static Eigen::RowVector3d by_displacement(double module);
