@@ -40,67 +40,103 @@ TAGSMITH_WIDE void add_pairs(const float* a, const float* b, float weight, int c
   for (int i = 0; i < count; ++i) to[i] += weight * (a[i] + b[i]);
 }
 
-// The grey levels across one side, as the camera stores them.
+// The grey levels across one side, as the camera stores them, and their derivatives by the
+// parameters: the common ones first.
 class SharpenedProfile {
  public:
+  static constexpr int kCurves = 1 + kCommon + kOfSide;  // the levels and the derivatives
+  using Values = Eigen::Array<float, kCurves, 1>;
+
   SharpenedProfile(const ToneCurve& tone, const Common& common, const OfSide& side, float first,
-                   float last)
-      : tone_(tone) {
+                   float last) {
     const auto sigma = static_cast<float>(std::exp(common[kCommonLogSigma]));
-    const auto reach = static_cast<std::size_t>(std::ceil(kReach * sigma / kStep));
+    const auto reach = static_cast<Eigen::Index>(std::ceil(kReach * sigma / kStep));
     begin_ = first - static_cast<float>(reach + 1) * kStep;
-    const auto count = static_cast<std::size_t>((last - first) / kStep) + 2 * reach + 4;
-    levels_ = levels_of(common, side, count);
-    const auto amount = static_cast<float>(common[kCommonAmount]);
-    if (amount == 0) return;
-    const std::vector<float> plain = levels_;
-    std::vector<float> smooth(count, 0.0F);
-    float sum = 0;
-    for (std::size_t k = 0; k <= reach; ++k) {
-      const float z = static_cast<float>(k) * kStep / sigma;
-      const float weight = (k == 0 ? 0.5F : 1.0F) * std::exp(-z * z / 2);
-      sum += 2 * weight;
-      add_pairs(&plain[reach - k], &plain[reach + k], weight, static_cast<int>(count - 2 * reach),
-                &smooth[reach]);
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      levels_[i] = std::clamp(plain[i] + amount * (plain[i] - smooth[i] / sum), 0.0F, 255.0F);
-    }
+    const auto count = static_cast<Eigen::Index>((last - first) / kStep) + 2 * reach + 4;
+    curves_.setZero(count, kCurves);
+    set_plain(tone, common, side);
+    sharpen(static_cast<float>(common[kCommonAmount]), sigma, reach);
   }
 
-  float at(float across) const {
+  Values at(float across) const {
     const float position = (across - begin_) / kStep;
-    const auto index = static_cast<std::size_t>(position);
+    const auto index = static_cast<Eigen::Index>(position);
     const float share = position - static_cast<float>(index);
-    return levels_[index] + share * (levels_[index + 1] - levels_[index]);
+    return curves_.row(index) + share * (curves_.row(index + 1) - curves_.row(index));
   }
 
  private:
   static constexpr float kStep = 0.25F;  // pixels
   static constexpr float kReach = 2.5F;  // standard deviations of the mask
 
-  std::vector<float> levels_of(const Common& common, const OfSide& side, std::size_t count) const {
+  using Curve = Eigen::ArrayXf;
+
+  // The levels without a mask.
+  void set_plain(const ToneCurve& tone, const Common& common, const OfSide& side) {
     const NormalTable& normal = NormalTable::get();
     const auto per_blur = static_cast<float>(std::exp(-common[kCommonLogBlur]));
     const auto stroke = static_cast<float>(std::exp(side[kSideLogStroke]));
     const auto white = static_cast<float>(side[kSideWhite]),
                black = static_cast<float>(side[kSideBlack]);
     const auto outside = static_cast<float>(side[kSideOutside]);
-    std::vector<float> levels(count);
-    for (std::size_t i = 0; i < levels.size(); ++i) {
+    for (Eigen::Index i = 0; i < curves_.rows(); ++i) {
       const float across =
           begin_ + static_cast<float>(i) * kStep - static_cast<float>(side[kSidePlace]);
-      const float inner = normal(across * per_blur).integral;
-      const float outer = normal((across - stroke) * per_blur).integral;
-      const float light = white + (black - white) * inner + (outside - black) * outer;
-      levels[i] = tone_.point_of(light).sample;
+      const float z_inner = across * per_blur, z_outer = (across - stroke) * per_blur;
+      const NormalValue inner = normal(z_inner), outer = normal(z_outer);
+      const ToneCurve::Point point = tone.point_of(white + (black - white) * inner.integral +
+                                                   (outside - black) * outer.integral);
+      const float by_inner = point.slope * (black - white) * inner.density;
+      const float by_outer = point.slope * (outside - black) * outer.density;
+      curves_(i, 0) = point.sample;
+      curves_(i, 1 + kCommonLogBlur) = -z_inner * by_inner - z_outer * by_outer;
+      curves_(i, 1 + kCommon + kSidePlace) = -per_blur * (by_inner + by_outer);
+      curves_(i, 1 + kCommon + kSideLogStroke) = -per_blur * stroke * by_outer;
+      curves_(i, 1 + kCommon + kSideWhite) = point.slope * (1 - inner.integral);
+      curves_(i, 1 + kCommon + kSideBlack) = point.slope * (inner.integral - outer.integral);
+      curves_(i, 1 + kCommon + kSideOutside) = point.slope * outer.integral;
     }
-    return levels;
   }
 
-  const ToneCurve& tone_;
+  // Adds so much of what a Gaussian mask takes from each curve.
+  void sharpen(float amount, float sigma, Eigen::Index reach) {
+    Curve squares = Curve::LinSpaced(reach + 1, 0, static_cast<float>(reach) * kStep / sigma);
+    squares = squares.square();
+    Curve weights = (-squares / 2).exp();
+    weights[0] /= 2;
+    weights /= 2 * weights.sum();
+    const Curve smooth = smoothed(0, weights);
+    const Curve mask = curves_.col(0) - smooth;
+    curves_.col(1 + kCommonAmount) = mask;
+    if (amount == 0) return;
+    const Curve by_sigma = weights * squares;
+    curves_.col(1 + kCommonLogSigma) =
+        amount * (2 * by_sigma.sum() * smooth - smoothed(0, by_sigma));
+    for (int j = 1; j < kCurves; ++j) {
+      if (j == 1 + kCommonAmount || j == 1 + kCommonLogSigma) continue;
+      curves_.col(j) += amount * (curves_.col(j) - smoothed(j, weights));
+    }
+    curves_.col(0) += amount * mask;
+    for (Eigen::Index i = 0; i < curves_.rows(); ++i) {
+      const float level = curves_(i, 0);
+      if (level < 0 || level > 255) curves_.row(i).setZero();
+      curves_(i, 0) = std::clamp(level, 0.0F, 255.0F);
+    }
+  }
+
+  // A curve's sums with weights from the middle on; zero within their reach of its ends.
+  Curve smoothed(Eigen::Index curve, const Curve& weights) const {
+    const Eigen::Index reach = weights.size() - 1, count = curves_.rows() - 2 * reach;
+    Curve smooth = Curve::Zero(curves_.rows());
+    for (Eigen::Index k = 0; k <= reach; ++k) {
+      add_pairs(&curves_(reach - k, curve), &curves_(reach + k, curve), weights[k],
+                static_cast<int>(count), &smooth[reach]);
+    }
+    return smooth;
+  }
+
   float begin_ = 0;
-  std::vector<float> levels_;
+  Eigen::Array<float, Eigen::Dynamic, kCurves> curves_;  // at places kStep apart
 };
 
 // The samples across one side, averaged along it.
@@ -123,19 +159,18 @@ SideProfile profile_of(const GrayView& image, const RefinedFrame& frame, std::si
   const FrameSide& fitted = frame.sides[i];
   const ToneCurve& tone = ToneCurve::of(image);
   profile.tone = &tone;
+  const double middle = (fitted.white_begin + fitted.white_end) / 2;
+  const double sample_of_middle = tone.sample_of(middle);
   for (EdgeSample& sample : profile.samples) {
     profile.first = std::min(profile.first, sample.across);
     profile.last = std::max(profile.last, sample.across);
     // As if the side were lit evenly, like its middle.
     const double t = static_cast<double>(sample.along + 1) / 2;
     const double white = fitted.white_begin + t * (fitted.white_end - fitted.white_begin);
-    const double middle = (fitted.white_begin + fitted.white_end) / 2;
-    sample.value *=
-        static_cast<float>(tone.sample_of(middle) / std::max(1.0, tone.sample_of(white)));
+    sample.value *= static_cast<float>(sample_of_middle / std::max(1.0, tone.sample_of(white)));
   }
   profile.guess[kSideLogStroke] = std::log(stroke);
-  profile.guess[kSideWhite] = profile.guess[kSideOutside] =
-      (fitted.white_begin + fitted.white_end) / 2;
+  profile.guess[kSideWhite] = profile.guess[kSideOutside] = middle;
   profile.guess[kSideBlack] = (fitted.black_begin + fitted.black_end) / 2;
   return profile;
 }
@@ -171,46 +206,32 @@ struct Equations {
   double cost = 0;
 };
 
-Eigen::VectorXd predicted(const SideProfile& side, const Common& common, const OfSide& own) {
-  const SharpenedProfile profile(*side.tone, common, own, side.first, side.last);
-  Eigen::VectorXd levels(static_cast<Eigen::Index>(side.samples.size()));
-  for (Eigen::Index k = 0; k < levels.size(); ++k) {
-    levels[k] = static_cast<double>(profile.at(side.samples[static_cast<std::size_t>(k)].across));
-  }
-  return levels;
-}
-
 // Of one side: residuals by their root weights, and their derivatives by common and own parameters.
 void add_side(const Problem& problem, const SharpenedParameters& p, std::size_t i,
               Equations& equations) {
-  constexpr double kDelta = 0.01;
   const SideProfile& side = problem.sides[i];
   if (side.samples.empty()) return;
   const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
-  const Common common = p.head<kCommon>();
-  const OfSide own = p.segment<kOfSide>(at);
-  const Eigen::VectorXd levels = predicted(side, common, own);
-  Eigen::VectorXd root(levels.size()), residual(levels.size());
-  for (Eigen::Index k = 0; k < levels.size(); ++k) {
-    const EdgeSample& sample = side.samples[static_cast<std::size_t>(k)];
+  const SharpenedProfile profile(*side.tone, p.head<kCommon>(), p.segment<kOfSide>(at), side.first,
+                                 side.last);
+  using Terms = Eigen::Matrix<float, kCommon + kOfSide, 1>;
+  auto sums = (Terms::Zero() * Terms::Zero().transpose()).eval();
+  Terms right_sums = Terms::Zero();
+  for (const EdgeSample& sample : side.samples) {
+    const SharpenedProfile::Values predicted = profile.at(sample.across);
     const double variance =
         kEdgeFit.least_residual * kEdgeFit.least_residual / static_cast<double>(sample.weight) +
         kSharpening.model * kSharpening.model;
-    const double off = static_cast<double>(sample.value) - levels[k];
+    const auto off = static_cast<double>(sample.value - predicted[0]);
     const double ratio2 = off * off / (kSharpening.dirt * kSharpening.dirt);
-    root[k] = 1 / std::sqrt(variance * (1 + ratio2));
-    residual[k] = root[k] * off;
+    const double root = 1 / std::sqrt(variance * (1 + ratio2));
+    const Terms terms = static_cast<float>(root) * predicted.tail<kCommon + kOfSide>().matrix();
+    sums += terms.lazyProduct(terms.transpose());
+    right_sums += static_cast<float>(root * off) * terms;
     equations.cost += kSharpening.dirt * kSharpening.dirt / variance * std::log1p(ratio2);
   }
-  Eigen::MatrixXd terms(levels.size(), kCommon + kOfSide);
-  for (int j = 0; j < kCommon + kOfSide; ++j) {
-    Common c = common;
-    OfSide o = own;
-    (j < kCommon ? c[j] : o[j - kCommon]) += kDelta;
-    terms.col(j) = (predicted(side, c, o) - levels).cwiseProduct(root) / kDelta;
-  }
-  const Eigen::MatrixXd squares = terms.transpose() * terms;
-  const Eigen::VectorXd right = terms.transpose() * residual;
+  const auto squares = sums.cast<double>().eval();
+  const auto right = right_sums.cast<double>().eval();
   equations.matrix.topLeftCorner<kCommon, kCommon>() += squares.topLeftCorner<kCommon, kCommon>();
   equations.matrix.block<kCommon, kOfSide>(0, at) += squares.topRightCorner<kCommon, kOfSide>();
   equations.matrix.block<kOfSide, kCommon>(at, 0) += squares.bottomLeftCorner<kOfSide, kCommon>();
