@@ -2,7 +2,10 @@
 #include "decoder/reader/bar_ends.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "decoder/feature_frame/tuning.hpp"
@@ -35,15 +38,20 @@ struct Pattern {
   float black = 0;
 };
 
-// The median of an odd number of values; rearranges them.
-float median_of(std::vector<float>& values) {
-  if (values.size() == 3) {
-    const auto [low, high] = std::minmax(values[0], values[1]);
-    return std::clamp(values[2], low, high);
+// The median of an odd number of rows at every place: a sort that exchanges neighbours, of all
+// places at once.
+template <std::size_t kRows>
+WindowLight median_of(std::array<WindowLight, kRows> rows) {
+  for (std::size_t round = 0; round < kRows; ++round) {
+    for (std::size_t i = round % 2; i + 1 < kRows; i += 2) {
+      for (std::size_t k = 0; k < kInWindow; ++k) {
+        const float low = std::min(rows[i][k], rows[i + 1][k]);
+        rows[i + 1][k] = std::max(rows[i][k], rows[i + 1][k]);
+        rows[i][k] = low;
+      }
+    }
   }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  return rows[kRows / 2];
 }
 
 class Symbol {
@@ -82,21 +90,14 @@ class Symbol {
   // The bars around the middle of their height: the median of some rows at every place.
   Pattern pattern(std::size_t window) const {
     constexpr std::size_t rows = kBarEnds.rows;
-    std::vector<WindowRow> seen;
+    std::array<WindowLight, rows> seen;
     for (std::size_t i = 0; i < rows; ++i) {
       const double share = 0.15 + 0.7 * (static_cast<double>(i) + 0.5) / static_cast<double>(rows);
-      seen.push_back(row(window, field_.top + share * (field_.bottom - field_.top)));
+      seen[i] = row(window, field_.top + share * (field_.bottom - field_.top)).light;
     }
-    Pattern pattern;
-    std::vector<float> values(rows);
+    Pattern pattern{.bars = median_of(seen)};
     float mean = 0;
-    for (std::size_t k = 0; k < kInWindow; ++k) {
-      std::ranges::transform(seen, values.begin(),
-                             [k](const WindowRow& row) { return row.light[k]; });
-      const float middle = median_of(values);
-      pattern.bars[k] = middle;
-      mean += middle / kInWindow;
-    }
+    for (const float value : pattern.bars) mean += value / kInWindow;
     float bright = 0, dark = 0;
     for (float& value : pattern.bars) {
       value -= mean;
@@ -147,6 +148,44 @@ float level_of(const Pattern& pattern, const WindowRow& row, float white) {
 
 bool has_contrast(const Pattern& pattern) { return pattern.white > pattern.black; }
 
+// Between two rows that both show the bars, so close together, too few rows can be white for an
+// end.
+constexpr int kAtOnce = static_cast<int>(kBarEnds.beyond_px) + 1;
+
+// The rows of a window at steps from some height on. Those that were last looked at are kept: the
+// row so many steps ahead is looked at again in its turn.
+class SeenRows {
+ public:
+  struct Seen {
+    WindowRow row;
+    double share = 0;  // of the bars' contrast
+  };
+
+  SeenRows(const Symbol& symbol, const Pattern& pattern, std::size_t window, double from,
+           double step)
+      : symbol_(symbol), pattern_(pattern), window_(window), from_(from), step_(step) {
+    numbers_.fill(-1);
+  }
+
+  const Seen& at(int k) {
+    const auto place = static_cast<std::size_t>(k % (kAtOnce + 1));
+    if (std::exchange(numbers_[place], k) != k) {
+      Seen& seen = kept_[place];
+      seen.row = symbol_.row(window_, from_ + k * step_);
+      seen.share = static_cast<double>(share_of(pattern_, seen.row));
+    }
+    return kept_[place];
+  }
+
+ private:
+  const Symbol& symbol_;
+  const Pattern& pattern_;
+  std::size_t window_;
+  double from_, step_;
+  std::array<int, kAtOnce + 1> numbers_;
+  std::array<Seen, kAtOnce + 1> kept_;
+};
+
 // Where a window's bars end between two heights; nothing where no end is visible.
 std::optional<double> end_in_window(const Symbol& symbol, const Pattern& pattern,
                                     std::size_t window, double from, double to) {
@@ -155,23 +194,17 @@ std::optional<double> end_in_window(const Symbol& symbol, const Pattern& pattern
   const int steps = std::clamp(static_cast<int>(pixels), 4, 400);
   const double step = (to - from) / steps;
   const double step_px = pixels / steps;
-  // Between two rows that both show the bars, so close together, too few rows can be white for an
-  // end.
-  const int at_once = static_cast<int>(kBarEnds.beyond_px) + 1;
-  const auto row_at = [&](int k) { return symbol.row(window, from + k * step); };
+  SeenRows rows(symbol, pattern, window, from, step);
   std::optional<double> end;
   double before = 0;
   float white = 1;  // of the last row in which the bars show
   double white_px = 0;
   for (int k = 0; k <= steps; ++k) {
-    WindowRow row = row_at(k);
-    auto share = static_cast<double>(share_of(pattern, row));
-    while (share >= kHalfShown && k + at_once <= steps) {
-      const WindowRow next = row_at(k + at_once);
-      const auto next_share = static_cast<double>(share_of(pattern, next));
-      if (next_share < kHalfShown) break;
-      k += at_once, row = next, share = next_share;
+    while (rows.at(k).share >= kHalfShown && k + kAtOnce <= steps &&
+           rows.at(k + kAtOnce).share >= kHalfShown) {
+      k += kAtOnce;
     }
+    const auto& [row, share] = rows.at(k);
     if (share >= kHalfShown) {
       end.reset();
       white = row.white;
