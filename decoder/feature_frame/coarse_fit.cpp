@@ -2,27 +2,20 @@
 #include "decoder/feature_frame/coarse_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "decoder/feature_frame/tuning.hpp"
+#include "decoder/image/line_levels.hpp"
 
 namespace tagsmith::detail {
 namespace {
-
-// Grey levels at places `step` pixels apart, `half` of them to either side of the middle.
-void sample_line(const GrayView& image, PixelPoint middle, PixelPoint direction, double step,
-                 int half, double* samples) {
-  const auto place = [&](int k) { return middle + (step * k) * direction; };
-  if (!(is_inside(image, place(-half)) && is_inside(image, place(half)))) {
-    for (int k = -half; k <= half; ++k) *samples++ = sample_bilinear(image, place(k));
-    return;
-  }
-  for (int k = -half; k <= half; ++k) *samples++ = interpolate(image, place(k));
-}
 
 // Where the profile across the side falls steepest from inside to outside, as a distance from the
 // side; nothing when it does not fall by `min_fall` grey levels.
@@ -33,7 +26,8 @@ std::optional<double> steepest_fall(const GrayView& image, const SideLine& side,
   const int half = std::min(static_cast<int>(std::ceil(reach / kStep)), kMaxSamples / 2 - 2);
   std::array<double, kMaxSamples> samples;
   const int count = 2 * half + 1;
-  sample_line(image, at, side.outward, kStep, half, samples.data());
+  sample_line(image, {at, side.outward, -half, kStep},
+              std::span(samples).first(static_cast<std::size_t>(count)));
   const auto fall_at = [&](int k) {
     const auto at_k = static_cast<std::size_t>(k);
     return samples[at_k - 1] - samples[at_k + 1];

@@ -39,7 +39,7 @@ inline __attribute__((always_inline)) void sample_block(const GrayView& image,
                                                         std::size_t count,
                                                         Level* __restrict levels) {
   Between<Level> across, down;
-  std::array<Level, kBlock> upper_left, upper_right, lower_left, lower_right;
+  std::array<std::int32_t, kBlock> upper_left, upper_right, lower_left, lower_right;
   find_between(places.start.x, places.direction.x, places.spacing, from, count, across);
   find_between(places.start.y, places.direction.y, places.spacing, from, count, down);
   for (std::size_t i = 0; i < count; ++i) {
@@ -51,8 +51,11 @@ inline __attribute__((always_inline)) void sample_block(const GrayView& image,
     lower_right[i] = lower[1];
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const Level above = upper_left[i] + across.beyond[i] * (upper_right[i] - upper_left[i]);
-    const Level below = lower_left[i] + across.beyond[i] * (lower_right[i] - lower_left[i]);
+    const Level beyond = across.beyond[i];
+    const Level above = static_cast<Level>(upper_left[i]) +
+                        beyond * static_cast<Level>(upper_right[i] - upper_left[i]);
+    const Level below = static_cast<Level>(lower_left[i]) +
+                        beyond * static_cast<Level>(lower_right[i] - lower_left[i]);
     levels[i] = above + down.beyond[i] * (below - above);
   }
 }
