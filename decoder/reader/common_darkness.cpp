@@ -103,7 +103,7 @@ void RowStretches::fit_row(const SymbolRows& rows, const CommonDarkness& common,
   std::vector<RunningSums> sums(rows.bins + 1);
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     sums[bin + 1] = sums[bin];
-    const RowCell& cell = rows.cell(row, bin);
+    const RowCell cell = rows.cell(row, bin);
     if (cell.count == 0 || !common.known[bin]) continue;
     sums[bin + 1].add(static_cast<double>(cell.count), static_cast<double>(bin),
                       static_cast<double>(common.at(rows, bin, cell.place)),
@@ -144,7 +144,7 @@ void RowStretches::find_best(std::size_t row) {
 
 Vote RowStretches::vote(const SymbolRows& rows, const CommonDarkness& common, std::size_t row,
                         std::size_t bin) const {
-  const RowCell& cell = rows.cell(row, bin);
+  const RowCell cell = rows.cell(row, bin);
   const RowStretch* best = best_[row * per_row_ + bin / stride_];
   if (cell.count == 0 || best == nullptr) return {};
   const float off = cell.place - rows.middles[bin];
@@ -253,7 +253,7 @@ Band band_of(const SymbolRows& rows, std::size_t first, std::size_t end) {
             std::vector<float>(rows.bins)};
   for (std::size_t row = first; row < end; ++row) {
     for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-      const RowCell& cell = rows.cell(row, bin);
+      const RowCell cell = rows.cell(row, bin);
       band.light.value[bin] += cell.count * cell.light;
       band.count[bin] += cell.count;
     }

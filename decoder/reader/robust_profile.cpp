@@ -2,8 +2,12 @@
 #include "decoder/reader/robust_profile.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -25,8 +29,15 @@ namespace {
 constexpr double kModelVariance = kProfile.model_error * kProfile.model_error;
 
 using Bins = Eigen::ArrayXf;
-using Cells = Eigen::ArrayXXf;  // bins x rows: a column is a row of the symbol
+using Cells = DarkRows::Cells;
 using CellFlags = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
+// The light of the plate's white and of the frame's black at the ends of the frame's upper and
+// lower sides: at (0,0) (1,0) (1,1) (0,1) of the unit square.
+struct PlateLevels {
+  std::array<double, 4> white{};
+  std::array<double, 4> black{};
+};
 
 // A quantity over the frame, bilinear between its corners.
 double bilinear(const std::array<double, 4>& at, double u, double v) {
@@ -42,53 +53,65 @@ Bins level_along(const SymbolRows& rows, const std::array<double, 4>& light, dou
   return Bins::LinSpaced(bins, at(0.5), at(static_cast<double>(bins) - 0.5));
 }
 
-// One quantity of a row's cells, given that of the first bin.
-auto along_row(const float& first, Eigen::Index bins) {
-  constexpr int kStride = sizeof(RowCell) / sizeof(float);
-  return Eigen::Map<const Bins, Eigen::Unaligned, Eigen::InnerStride<kStride>>(&first, bins);
+// Keeps some of the bins of each row.
+void keep_bins(const std::vector<Eigen::Index>& kept, Cells& cells) {
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  Cells fewer(count, cells.cols());
+  for (Eigen::Index row = 0; row < cells.cols(); ++row) {
+    const float* from = cells.col(row).data();
+    float* to = fewer.col(row).data();
+    for (Eigen::Index i = 0; i < count; ++i) to[i] = from[kept[static_cast<std::size_t>(i)]];
+  }
+  cells = std::move(fewer);
 }
-
-// The rows of a part of the bars' height with their darkness: 0 = the plate's white, 1 = the
-// frame's black.
-struct DarkRows {
-  Cells darkness;
-  Cells place, count;                // as in a RowCell
-  std::vector<Eigen::Index> bins{};  // those that pixels fell into; the others are left out
-};
 
 void leave_out_empty(DarkRows& rows) {
-  const Bins pixels = rows.count.rowwise().sum();
+  Bins pixels = Bins::Zero(rows.count.rows());
+  for (Eigen::Index row = 0; row < rows.count.cols(); ++row) pixels += rows.count.col(row);
+  std::vector<Eigen::Index> kept, bins;
   for (Eigen::Index bin = 0; bin < pixels.size(); ++bin) {
-    if (pixels[bin] > 0) rows.bins.push_back(bin);
+    if (!(pixels[bin] > 0)) continue;
+    kept.push_back(bin);
+    bins.push_back(rows.bins[static_cast<std::size_t>(bin)]);
   }
-  if (std::cmp_equal(rows.bins.size(), pixels.size())) return;
-  for (Cells* of : {&rows.darkness, &rows.place, &rows.count}) {
-    *of = (*of)(rows.bins, Eigen::all).eval();
-  }
+  if (std::cmp_equal(kept.size(), pixels.size())) return;
+  rows.bins = std::move(bins);
+  for (Cells* of : {&rows.darkness, &rows.place, &rows.count}) keep_bins(kept, *of);
 }
 
-DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels, double top, double bottom) {
+DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels) {
   constexpr float kLeastContrast = 1e-3F;
-  std::vector<std::size_t> used;
-  for (std::size_t row = 0; row < rows.rows; ++row) {
-    const double v = rows.height_of(row);
-    if (v >= top && v <= bottom) used.push_back(row);
-  }
   const auto bins = static_cast<Eigen::Index>(rows.bins);
-  const auto count = static_cast<Eigen::Index>(used.size());
-  DarkRows dark{Cells(bins, count), Cells(bins, count), Cells(bins, count)};
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const std::size_t row = used[static_cast<std::size_t>(k)];
-    const RowCell& first = rows.cell(row, 0);
-    const Bins white = level_along(rows, levels.white, rows.height_of(row));
-    const Bins black = level_along(rows, levels.black, rows.height_of(row));
-    dark.darkness.col(k) =
-        (white - along_row(first.light, bins)) / (white - black).max(kLeastContrast);
-    dark.place.col(k) = along_row(first.place, bins);
-    dark.count.col(k) = along_row(first.count, bins);
+  const auto count = static_cast<Eigen::Index>(rows.rows);
+  const auto cells = [&](const std::vector<float>& of) {
+    return Eigen::Map<const Cells>(of.data(), bins, count);
+  };
+  DarkRows dark{cells(rows.light), cells(rows.place), cells(rows.count),
+                std::vector<Eigen::Index>(rows.bins)};
+  std::iota(dark.bins.begin(), dark.bins.end(), Eigen::Index{0});
+  for (Eigen::Index row = 0; row < count; ++row) {
+    const double v = rows.height_of(static_cast<std::size_t>(row));
+    const Bins white = level_along(rows, levels.white, v);
+    const Bins black = level_along(rows, levels.black, v);
+    dark.darkness.col(row) = (white - dark.darkness.col(row)) / (white - black).max(kLeastContrast);
   }
   leave_out_empty(dark);
   return dark;
+}
+
+// Those of a part of the frame's inner height.
+DarkRows rows_between(const SymbolRows& rows, const DarkRows& dark, double top, double bottom) {
+  Eigen::Index first = 0, end = dark.count.cols();
+  const auto height = [&](Eigen::Index row) {
+    return rows.height_of(static_cast<std::size_t>(row));
+  };
+  while (first < end && height(first) < top) ++first;
+  while (first < end && height(end - 1) > bottom) --end;
+  const Eigen::Index count = end - first;
+  DarkRows part{dark.darkness.middleCols(first, count), dark.place.middleCols(first, count),
+                dark.count.middleCols(first, count), dark.bins};
+  leave_out_empty(part);
+  return part;
 }
 
 // Sums over some of the pixels of each bin.
@@ -165,6 +188,23 @@ Cells differences(const DarkRows& rows, const Consensus& consensus) {
   return rows.darkness - expected;
 }
 
+// The median of values that are not negative, as quantile() has it: the leading bits of such
+// numbers sort them into classes, of which one is looked at.
+float median_of_squares(const std::vector<float>& squares) {
+  // By sign, exponent and three bits more.
+  const auto class_of = [](float square) { return std::bit_cast<std::uint32_t>(square) >> 20; };
+  std::vector<std::uint32_t> counts(std::size_t{1} << 12);
+  for (const float square : squares) ++counts[class_of(square)];
+  auto before = static_cast<std::uint32_t>((squares.size() - 1) / 2);
+  std::uint32_t at = 0;
+  while (before >= counts[at]) before -= counts[at++];
+  std::vector<float> alike;
+  std::ranges::copy_if(squares, std::back_inserter(alike),
+                       [&](float square) { return class_of(square) == at; });
+  std::ranges::nth_element(alike, alike.begin() + before);
+  return alike[before];
+}
+
 // Variance of one pixel's darkness: from the median of what cells are off.
 double pixel_variance(const DarkRows& rows, const Cells& off) {
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
@@ -177,7 +217,7 @@ double pixel_variance(const DarkRows& rows, const Cells& off) {
     }
   }
   if (squares.empty()) return kModelVariance;
-  return std::max(kModelVariance, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
+  return std::max(kModelVariance, static_cast<double>(median_of_squares(squares)) / kMedianChi2);
 }
 
 // The cells that differ by more than noise and shading allow.
@@ -298,11 +338,9 @@ ScanBin bin_of(const SymbolRows& symbol, const Consensus& consensus, const RowsB
           variance / count + kModelVariance + doubt * doubt * doubt * doubt, count / seen};
 }
 
-}  // namespace
-
-ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
-                                double bottom) {
-  const DarkRows dark = dark_rows(rows, levels, top, bottom);
+// For each bin the mean darkness of those rows that are near their median, with the doubt that the
+// other rows cause.
+ScanProfile profile_of_agreeing(const SymbolRows& rows, const DarkRows& dark) {
   if (dark.bins.empty()) return {};
   const PixelSums all = sums_of(dark, dark.count);
   const Consensus consensus = consensus_of(dark, all);
@@ -319,6 +357,8 @@ ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& level
   }
   return profile;
 }
+
+}  // namespace
 
 // ---- The point spread along the symbol.
 
@@ -337,10 +377,19 @@ double width_across(const FrameHomography& image_from_frame, double u) {
 
 void set_spreads(const FrameHomography& image_from_frame, const SymbolLayout& layout,
                  ScanProfile& profile) {
+  if (profile.empty()) return;
   const double middle = width_across(image_from_frame, 0.5);
+  const auto [least, most] = std::ranges::minmax(profile, {}, &ScanBin::at);
+  const double first = std::floor(least.at);
+  // From module to module the spread is linear to a hundred thousandth.
+  std::vector<double> spreads(static_cast<std::size_t>(most.at - first) + 2);
+  for (std::size_t k = 0; k < spreads.size(); ++k) {
+    const double at = layout.width_share(first + static_cast<double>(k));
+    spreads[k] = middle / std::max(width_across(image_from_frame, at), 1e-12);
+  }
   for (ScanBin& bin : profile) {
-    const double width = width_across(image_from_frame, layout.width_share(bin.at));
-    bin.spread = middle / std::max(width, 1e-12);
+    const auto before = static_cast<std::size_t>(bin.at - first);
+    bin.spread = std::lerp(spreads[before], spreads[before + 1], bin.at - std::floor(bin.at));
   }
 }
 
@@ -374,7 +423,7 @@ void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {
       const auto [begin, end] = hidden_width(occluder, rows.height_of(row));
       for (std::size_t bin = 0; bin < rows.bins; ++bin) {
         const double u = rows.width_share_of(static_cast<double>(bin) + 0.5);
-        if (begin <= u && u <= end) rows.cell(row, bin).count = 0;
+        if (begin <= u && u <= end) rows.count[row * rows.bins + bin] = 0;
       }
     }
   }
@@ -454,6 +503,7 @@ RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
       frame_(frame),
       rows_(image, frame.corners, frame.lens, layout, RowHeight::coarse) {
   if (even_out_light) white_ = evened(frame, rows_);
+  dark_ = dark_rows(rows_, white_ ? even_levels(frame, *white_) : levels_of(frame));
 }
 
 bool RobustProfile::is_of(const GrayView& image, const RefinedFrame& frame,
@@ -474,8 +524,7 @@ SymbolProfile RobustProfile::finished(ScanProfile bins, const SymbolRows& rows) 
 
 SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
   const auto [top, bottom] = used_heights(part, rows_.layout);
-  const PlateLevels levels = white_ ? even_levels(frame_, *white_) : levels_of(frame_);
-  return finished(profile_of_agreeing(rows_, levels, top, bottom), rows_);
+  return finished(profile_of_agreeing(rows_, rows_between(rows_, dark_, top, bottom)), rows_);
 }
 
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {

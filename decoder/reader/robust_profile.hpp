@@ -2,8 +2,10 @@
 // The scan profile of the symbol inside a feature frame, whatever hides parts of it.
 #pragma once
 
-#include <array>
 #include <optional>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/refine.hpp"
@@ -17,17 +19,14 @@ namespace tagsmith::detail {
 
 // ---- The scan profile of rows that agree.
 
-// The light of the plate's white and of the frame's black at the ends of the frame's upper and
-// lower sides: at (0,0) (1,0) (1,1) (0,1) of the unit square.
-struct PlateLevels {
-  std::array<double, 4> white{};
-  std::array<double, 4> black{};
-};
+// Rows of a symbol with their darkness: 0 = the plate's white, 1 = the frame's black.
+struct DarkRows {
+  using Cells = Eigen::ArrayXXf;  // bins x rows: a column is a row of the symbol
 
-// For each bin the mean darkness of those rows, of a part of the frame's inner height, that are
-// near their median, with the doubt that the other rows cause.
-ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
-                                double bottom);
+  Cells darkness;
+  Cells place, count;                // as in a RowCell
+  std::vector<Eigen::Index> bins{};  // those that pixels fell into; the others are left out
+};
 
 // ---- The profile.
 
@@ -81,6 +80,7 @@ class RobustProfile {
   RefinedFrame frame_;
   SymbolRows rows_;              // coarse ones
   std::optional<double> white_;  // of rows that were evened out
+  DarkRows dark_;                // all of the coarse ones
 };
 
 // ---- How the point spread, one in pixels, varies along a symbol that is seen obliquely.

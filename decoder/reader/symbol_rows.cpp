@@ -61,17 +61,19 @@ PixelBox box_of(const SymbolRows& rows, const GrayView& image) {
 // Where pixels of an image fall among the rows: an affine map of the unit square.
 struct CellPlaces {
   std::array<float, 9> frame_from_image{};
+  int rows, bins;
   float rows_per_height, top_row;  // row = rows_per_height v - top_row
   float bins_per_width, first_bin;
 
-  CellPlaces(const SymbolRows& rows)
-      : rows_per_height(
-            static_cast<float>(static_cast<double>(rows.rows) / (rows.bottom - rows.top))),
-        top_row(static_cast<float>(rows.top) * rows_per_height),
-        bins_per_width(static_cast<float>(rows.layout.modules() * rows.bins_per_module)),
-        first_bin(static_cast<float>((rows.layout.quiet_zone_modules - rows.modules_before) *
-                                     rows.bins_per_module)) {
-    const Homography inverted = inverse(rows.image_from_frame.flat());
+  CellPlaces(const SymbolRows& of)
+      : rows(static_cast<int>(of.rows)),
+        bins(static_cast<int>(of.bins)),
+        rows_per_height(static_cast<float>(static_cast<double>(of.rows) / (of.bottom - of.top))),
+        top_row(static_cast<float>(of.top) * rows_per_height),
+        bins_per_width(static_cast<float>(of.layout.modules() * of.bins_per_module)),
+        first_bin(static_cast<float>((of.layout.quiet_zone_modules - of.modules_before) *
+                                     of.bins_per_module)) {
+    const Homography inverted = inverse(of.image_from_frame.flat());
     std::ranges::transform(inverted.h, frame_from_image.begin(),
                            [](double a) { return static_cast<float>(a); });
   }
@@ -95,6 +97,31 @@ TAGSMITH_WIDE void places_in_unit(const std::array<float, 9>& h, int x, int x_st
   }
 }
 
+// Of places in the unit square the cells that hold them, -1 = none, and their places in bins, which
+// take the place of `u`.
+TAGSMITH_WIDE void cells_at(const CellPlaces& places, std::span<float> u, std::span<const float> v,
+                            std::span<std::int32_t> cells) {
+  const auto rows = static_cast<float>(places.rows), bins = static_cast<float>(places.bins);
+  const float rows_per_height = places.rows_per_height, top_row = places.top_row;
+  const float bins_per_width = places.bins_per_width, first_bin = places.first_bin;
+  const std::int32_t in_row = places.bins;
+  float* to_bin = u.data();
+  const float* from_v = v.data();
+  std::int32_t* to_cell = cells.data();
+  const auto count = static_cast<int>(cells.size());
+  TAGSMITH_INDEPENDENT_TURNS
+  for (int i = 0; i < count; ++i) {
+    const float row = from_v[i] * rows_per_height - top_row;
+    const float bin = to_bin[i] * bins_per_width - first_bin;
+    const bool is_held = (row >= 0) & (row < rows) & (bin >= 0) & (bin < bins);
+    const float held_row = is_held ? row : 0, held_bin = is_held ? bin : 0;
+    const std::int32_t cell =
+        static_cast<std::int32_t>(held_row) * in_row + static_cast<std::int32_t>(held_bin);
+    to_bin[i] = bin;
+    to_cell[i] = is_held ? cell : -1;
+  }
+}
+
 // Sums of the pixels in the cells that hold their centres.
 void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
   const std::array<float, 256>& light = ToneCurve::of(image).light_table();
@@ -102,32 +129,48 @@ void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
   const PixelSteps steps = pixel_steps(rows, corners);
   const CellPlaces places(rows);
   const auto width = static_cast<std::size_t>((box.right - box.left) / steps.x) + 1;
-  const auto row_count = static_cast<float>(rows.rows), bin_count = static_cast<float>(rows.bins);
   std::vector<float> u(width), v(width);
+  std::vector<std::int32_t> cells(width);
+  float* const sum_of_light = rows.light.data();
+  float* const sum_of_places = rows.place.data();
+  float* const count = rows.count.data();
   for (int y = box.top; y <= box.bottom; y += steps.y) {
     const std::uint8_t* sample = image.row(y) + box.left;
     places_in_unit(places.frame_from_image, box.left, steps.x, y, u, v);
+    if (rows.image_from_frame.bends()) {
+      for (std::size_t i = 0; i < width; ++i) rows.image_from_frame.correct(u[i], v[i]);
+    }
+    cells_at(places, u, v, cells);
     for (std::size_t i = 0; i < width; ++i, sample += steps.x) {
-      if (rows.image_from_frame.bends()) rows.image_from_frame.correct(u[i], v[i]);
-      const float row = v[i] * places.rows_per_height - places.top_row;
-      const float bin = u[i] * places.bins_per_width - places.first_bin;
-      if (!(row >= 0 && row < row_count && bin >= 0 && bin < bin_count)) continue;
-      RowCell& cell = rows.cell(static_cast<std::size_t>(row), static_cast<std::size_t>(bin));
-      cell.light += light[*sample];
-      cell.place += bin;
-      cell.count += 1;
+      if (cells[i] < 0) continue;
+      sum_of_light[cells[i]] += light[*sample];
+      sum_of_places[cells[i]] += u[i];
+      count[cells[i]] += 1;
     }
   }
 }
 
-float middle_of(const SymbolRows& rows, std::size_t bin) {
-  float sum = 0, count = 0;
-  for (std::size_t row = 0; row < rows.rows; ++row) {
-    const RowCell& cell = rows.cell(row, bin);
-    sum += cell.count * cell.place;
-    count += cell.count;
+// Makes means of sums.
+void divide(SymbolRows& rows) {
+  for (std::size_t i = 0; i < rows.count.size(); ++i) {
+    const float count = std::max(1.0F, rows.count[i]);
+    rows.light[i] /= count;
+    rows.place[i] /= count;
   }
-  return count > 0 ? sum / count : -1.0F;
+}
+
+std::vector<float> middles_of(const SymbolRows& rows) {
+  std::vector<float> middles(rows.bins), count(rows.bins);
+  for (std::size_t i = 0, row = 0; row < rows.rows; ++row) {
+    for (std::size_t bin = 0; bin < rows.bins; ++bin, ++i) {
+      middles[bin] += rows.count[i] * rows.place[i];
+      count[bin] += rows.count[i];
+    }
+  }
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    middles[bin] = count[bin] > 0 ? middles[bin] / count[bin] : -1.0F;
+  }
+  return middles;
 }
 
 }  // namespace
@@ -147,23 +190,17 @@ SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensDis
   bins_per_module = std::clamp(static_cast<int>(std::lround(2.5 * module_px)), 3, 6);
   modules_before = std::min(kProfile.beyond, layout.quiet_zone_modules);
   bins = static_cast<std::size_t>((kModuleCount + 2 * modules_before) * bins_per_module);
-  cells.resize(rows * bins);
+  for (std::vector<float>* of_cells : {&light, &place, &count}) of_cells->resize(rows * bins);
   add_pixels(image, corners, *this);
-  for (RowCell& cell : cells) {
-    if (cell.count == 0) continue;
-    cell.light /= cell.count;
-    cell.place /= cell.count;
-  }
-  for (std::size_t bin = 0; bin < bins; ++bin) middles.push_back(middle_of(*this, bin));
+  divide(*this);
+  middles = middles_of(*this);
 }
 
 double SymbolRows::height_of(std::size_t row) const {
   return top + (bottom - top) * (static_cast<double>(row) + 0.5) / static_cast<double>(rows);
 }
 
-double SymbolRows::width_share_of(double place) const {
-  return layout.width_share(module_of(place));
-}
+double SymbolRows::width_share_of(double at) const { return layout.width_share(module_of(at)); }
 
 namespace {
 
@@ -175,9 +212,10 @@ std::vector<float> unevenness_of(const SymbolRows& rows, std::size_t row, std::s
   };
   std::vector<Sums> sums(rows.bins + 1);
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-    const auto w = static_cast<double>(rows.cell(row, bin).count);
+    const RowCell cell = rows.cell(row, bin);
+    const auto w = static_cast<double>(cell.count);
     const auto x = static_cast<double>(bin);
-    const auto l = static_cast<double>(rows.cell(row, bin).light);
+    const auto l = static_cast<double>(cell.light);
     const Sums& s = sums[bin];
     sums[bin + 1] = {s.w + w,     s.x + w * x,      s.xx + w * x * x,
                      s.l + w * l, s.ll + w * l * l, s.lx + w * l * x};
@@ -218,7 +256,7 @@ void leave_out_plain(SymbolRows& rows) {
     for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
       const double left = static_cast<double>(uneven[row][begin]);
       if (left < 0 || left > kProfile.plain * showing[begin]) continue;
-      for (std::size_t i = 0; i < window; ++i) rows.cell(row, begin + i).count = 0;
+      for (std::size_t i = 0; i < window; ++i) rows.count[row * rows.bins + begin + i] = 0;
     }
   }
 }

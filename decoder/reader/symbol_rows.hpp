@@ -28,14 +28,16 @@ struct SymbolRows {
   SymbolRows(const GrayView& image, const Quad& corners, const LensDistortion& lens,
              const SymbolLayout& layout, RowHeight row_height);
 
-  const RowCell& cell(std::size_t row, std::size_t bin) const { return cells[row * bins + bin]; }
-  RowCell& cell(std::size_t row, std::size_t bin) { return cells[row * bins + bin]; }
+  RowCell cell(std::size_t row, std::size_t bin) const {
+    const std::size_t at = row * bins + bin;
+    return {light[at], place[at], count[at]};
+  }
   // Middle of a row as a share of the frame's inner height.
   double height_of(std::size_t row) const;
   // A place in bins as modules from the symbol's first bar, and as a share of the frame's inner
   // width.
-  double module_of(double place) const { return place / bins_per_module - modules_before; }
-  double width_share_of(double place) const;
+  double module_of(double at) const { return at / bins_per_module - modules_before; }
+  double width_share_of(double at) const;
 
   SymbolLayout layout;
   FrameHomography image_from_frame;
@@ -46,7 +48,7 @@ struct SymbolRows {
   double top = 0, bottom = 0;  // of the rows, shares of the frame's inner height
   std::size_t rows = 0;
   std::size_t bins = 0;
-  std::vector<RowCell> cells;  // row by row
+  std::vector<float> light, place, count;  // of the cells, row by row
   // Mean place of a bin's pixels over all rows, bins; -1 = no pixel. Where the bars run along the
   // columns of pixels, all lie off the bin's middle.
   std::vector<float> middles;

@@ -24,7 +24,7 @@ constexpr float kDark = 0.02F;  // of the bright white: nothing is visible where
 std::vector<float> light_of(const SymbolRows& rows, std::size_t row) {
   std::vector<float> light(rows.bins);
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-    const RowCell& cell = rows.cell(row, bin);
+    const RowCell cell = rows.cell(row, bin);
     light[bin] = cell.count > 0 || bin == 0 ? cell.light : light[bin - 1];
   }
   return light;
@@ -89,16 +89,15 @@ double even_out(SymbolRows& rows, double blur) {
   for (std::size_t row = 0; row < rows.rows; ++row) {
     const std::vector<float> white = white_of(light_of(rows, row), rows.bins_per_module, blur);
     for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-      rows.cell(row, bin).count *= evenness_at(white, bin, rows.bins_per_module);
+      rows.count[row * rows.bins + bin] *= evenness_at(white, bin, rows.bins_per_module);
     }
     all.insert(all.end(), white.begin(), white.end());
   }
   std::vector<float> ordered = all;
   const float bright = quantile(ordered, 0.9);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    RowCell& cell = rows.cells[i];
-    if (all[i] < kDark * bright) cell.count = 0;
-    if (cell.count > 0) cell.light *= bright / all[i];
+    if (all[i] < kDark * bright) rows.count[i] = 0;
+    if (rows.count[i] > 0) rows.light[i] *= bright / all[i];
   }
   return static_cast<double>(bright);
 }

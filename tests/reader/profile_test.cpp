@@ -50,7 +50,7 @@ TEST_CASE("a symbol's rows hold each pixel of the bars once, at its place") {
   CHECK(rows.module_of(4 * 6) == doctest::Approx(0));
   CHECK(rows.width_share_of(4 * 6) == doctest::Approx(9.0 / 113));
   float pixels = 0;
-  for (const RowCell& cell : rows.cells) pixels += cell.count;
+  for (const float count : rows.count) pixels += count;
   // 103 modules of four pixels, in every row of pixels between top and bottom.
   const double lines = (rows.bottom - rows.top) * symbol.height();
   CHECK(pixels == doctest::Approx(4 * 103 * lines).epsilon(0.02));
@@ -105,7 +105,7 @@ TEST_CASE("coarse rows are few, and take fewer pixels of a large frame") {
   CHECK(fine.rows == 64);
   const auto pixels_of = [](const SymbolRows& rows) {
     float pixels = 0;
-    for (const RowCell& cell : rows.cells) pixels += cell.count;
+    for (const float count : rows.count) pixels += count;
     return pixels;
   };
   CHECK(pixels_of(coarse) < pixels_of(fine) / 3);
