@@ -62,22 +62,27 @@ NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
   Row right = Row::Zero();
   float cost = 0;
   squares.setZero();
+  // The upper right quarter of the matrix repeats the lower left one.
+  static_assert(kParameters == 8);
   for (const WeighedPlace& place : places) {
-    squares.noalias() += place.by_parameter * place.by_parameter.transpose();
-    right += place.residual * place.by_parameter;
+    const auto& terms = place.by_parameter;
+    squares.leftCols<4>().noalias() += terms * terms.head<4>().transpose();
+    squares.bottomRightCorner<4, 4>().noalias() += terms.tail<4>() * terms.tail<4>().transpose();
+    right += place.residual * terms;
     cost += place.residual * place.residual;
   }
+  squares.topRightCorner<4, 4>() = squares.bottomLeftCorner<4, 4>().transpose();
   return {squares.cast<double>(), right.cast<double>(), static_cast<double>(cost),
           static_cast<double>(cost)};
 }
 
-// Holds the parameters near nominal; `off`: how far they are from there.
-void add_priors(const Parameters& off, NormalEquations& normal) {
+// Holds the parameters near nominal, or (-1) no longer; `off`: how far they are from there.
+void add_priors(const Parameters& off, NormalEquations& normal, double sign = 1) {
   const ImagingTuning& sigma = kImaging;
   const Parameters sigmas{sigma.log_blur, sigma.edge,  sigma.stretch, sigma.edge,
                           sigma.edge,     sigma.level, sigma.level,   sigma.level};
   for (int i = 0; i < kParameters; ++i) {
-    const double weight = 1 / (sigmas[i] * sigmas[i]);
+    const double weight = sign / (sigmas[i] * sigmas[i]);
     normal.matrix(i, i) += weight;
     normal.right[i] -= weight * off[i];
     normal.cost += weight * off[i] * off[i];
@@ -98,8 +103,6 @@ class FitProblem {
       darkness_[i] = static_cast<float>(profile[i].darkness);
     }
   }
-
-  NormalEquations equations_at(const Parameters& p) const { return normal_equations(places_at(p)); }
 
   std::vector<WeighedPlace> places_at(const Parameters& p) const {
     const ImagingModel image = unpack(p, pixel_);
@@ -139,28 +142,47 @@ double total_variation(const ScanProfile& profile) {
   return variation;
 }
 
+// The equations with the priors at some parameters, and what they are of.
+struct FitEquations : NormalEquations {
+  Parameters at;
+  std::vector<WeighedPlace> places;
+  Parameters solution;  // no more than one small step from there
+};
+
+double most_log_blur() { return std::log(4.0); }
+
+Parameters nominal_for(const ImagingModel& start) {
+  ImagingModel nominal;
+  nominal.blur = start.blur;
+  return pack(nominal);
+}
+
+FitEquations minimise(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
+  const Parameters nominal = nominal_for(start);
+  const FitProblem problem(profile, digits, start.pixel);
+  Parameters p = pack(start);
+  FitEquations found = minimise_damped(
+      p, {},
+      [&](const Parameters& at) {
+        std::vector<WeighedPlace> places = problem.places_at(at);
+        FitEquations equations{normal_equations(places), at, std::move(places), at};
+        add_priors(at - nominal, equations);
+        return equations;
+      },
+      [&](Parameters& at) {
+        at[kLogBlur] = std::clamp(at[kLogBlur], std::log(0.05), most_log_blur());
+      });
+  found.solution = p;
+  return found;
+}
+
 }  // namespace
 
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
-  ImagingModel nominal_image;
-  nominal_image.blur = start.blur;
-  const Parameters nominal = pack(nominal_image);
-  const FitProblem problem(profile, digits, start.pixel);
-  const double most_log_blur = std::log(4.0);
-  Parameters p = pack(start);
-  const NormalEquations found = minimise_damped(
-      p, {},
-      [&](const Parameters& at) {
-        NormalEquations normal = problem.equations_at(at);
-        add_priors(at - nominal, normal);
-        return normal;
-      },
-      [&](Parameters& at) {
-        at[kLogBlur] = std::clamp(at[kLogBlur], std::log(0.05), most_log_blur);
-      });
-  return {unpack(p, start.pixel), found.of_profile,
+  const FitEquations found = minimise(profile, digits, start);
+  return {unpack(found.solution, start.pixel), found.of_profile,
           1 - found.of_profile / std::max(total_variation(profile), 1e-12),
-          p[kLogBlur] >= most_log_blur};
+          found.solution[kLogBlur] >= most_log_blur()};
 }
 
 Eigen::RowVector3d SeenPlaces::by_displacement(double module) {
@@ -172,19 +194,17 @@ Eigen::RowVector3d SeenPlaces::by_displacement(double module) {
 SeenPlaces seen_places(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
                        double bend_sigma) {
   static_assert(kStretch == kShift + 1 && kBend == kShift + 2);
-  const Parameters fitted = pack(fit_symbol(profile, digits, start).image);
-  const std::vector<WeighedPlace> places =
-      FitProblem(profile, digits, start.pixel).places_at(fitted);
-  NormalEquations normal = normal_equations(places);
+  FitEquations normal = minimise(profile, digits, start);
+  add_priors(normal.at - nominal_for(start), normal, -1);
   const double weight = 1 / (bend_sigma * bend_sigma);
   normal.matrix(kBend, kBend) += weight;
-  normal.right[kBend] -= weight * fitted[kBend];
+  normal.right[kBend] -= weight * normal.at[kBend];
   const auto solver = normal.matrix.ldlt();
-  const Parameters p = fitted + solver.solve(normal.right);
+  const Parameters p = normal.at + solver.solve(normal.right);
   const double freedom = std::max<double>(1, static_cast<double>(profile.size()) - kParameters);
   const ParameterMatrix inverse = solver.solve(ParameterMatrix::Identity());
   std::vector<float> residuals;
-  for (const WeighedPlace& place : places) residuals.push_back(place.residual);
+  for (const WeighedPlace& place : normal.places) residuals.push_back(place.residual);
   return {p.segment<3>(kShift), normal.of_profile / freedom * inverse.block<3, 3>(kShift, kShift),
           std::move(residuals)};
 }
