@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/feature_frame/edge_samples.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -9,9 +10,21 @@
 
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/statistics.hpp"
+#include "tagsmith/base/wide.hpp"
 
 namespace tagsmith::detail {
 namespace {
+
+// Places of pixels in a line, relative to a side.
+struct EvenPlaces {
+  float along, across;  // of the first
+  float step_along, step_across;
+
+  EvenPlaces from(int place) const {
+    const auto steps = static_cast<float>(place);
+    return {along + steps * step_along, across + steps * step_across, step_along, step_across};
+  }
+};
 
 // Pixels near a side, grouped by how far along and how far across they lie: fine across near the
 // edge, where the light changes within a pixel, coarse elsewhere. Not coarse where the stroke's
@@ -20,24 +33,32 @@ namespace {
 class EdgeBins {
  public:
   EdgeBins(float inward, float outward, bool both_edges, int zones)
-      : zones_(zones), inward_(inward), outward_(outward) {
-    const float span =
-        std::max(0.0F, inward - kEdgeFit.fine) + std::max(0.0F, outward - kEdgeFit.fine);
-    per_coarse_ = both_edges ? 2 : 1 / std::max(0.5F, span / 8);
-    fine_begin_ = std::ceil(std::max(0.0F, inward_ - kEdgeFit.fine) * per_coarse_);
-    rows_ = index_of(outward) + 1;
+      : zones_(zones),
+        inward_(inward),
+        outward_(outward),
+        rows_across_(inward, both_edges ? 2 : 1 / std::max(0.5F, coarse_span(inward, outward) / 8)),
+        rows_(static_cast<std::size_t>(rows_across_.index_of(outward)) + 1) {
     bins_.resize(static_cast<std::size_t>(zones_) * rows_);
   }
 
-  bool holds(float across) const { return across >= -inward_ && across <= outward_; }
-
-  void add(float along, float across, float value) {
-    const int zone = zone_at(along, zones_);
-    EdgeSample& bin = bins_[static_cast<std::size_t>(zone) * rows_ + index_of(across)];
-    bin.along += along;
-    bin.across += across;
-    bin.value += value;
-    bin.weight += 1;
+  // Adds `count` pixels, `stride` apart, at even places.
+  void add(EvenPlaces places, const std::uint8_t* pixel, std::ptrdiff_t stride, int count) {
+    std::array<std::int32_t, 64> bins;
+    constexpr auto at_once = static_cast<int>(bins.size());
+    for (; count > 0; count -= at_once, places = places.from(at_once)) {
+      const int here = std::min(count, at_once);
+      find_bins(places, here, bins.data());
+      for (int i = 0; i < here; ++i, pixel += stride) {
+        const auto at = static_cast<std::size_t>(i);
+        if (bins[at] < 0) continue;
+        EdgeSample& bin = bins_[static_cast<std::size_t>(bins[at])];
+        const auto steps = static_cast<float>(i);
+        bin.along += places.along + steps * places.step_along;
+        bin.across += places.across + steps * places.step_across;
+        bin.value += static_cast<float>(*pixel);
+        bin.weight += 1;
+      }
+    }
   }
 
   std::vector<EdgeSample> samples() {
@@ -52,25 +73,58 @@ class EdgeBins {
   }
 
  private:
-  std::size_t index_of(float across) const {
-    float position = 0;
-    if (across < -kEdgeFit.fine) {
-      position = (across + inward_) * per_coarse_;
-    } else if (across <= kEdgeFit.fine) {
-      position = fine_begin_ + (across + kEdgeFit.fine) * kEdgeFit.per_pixel;
-    } else {
-      position = fine_begin_ + 2 * kEdgeFit.fine * kEdgeFit.per_pixel + 1 +
-                 (across - kEdgeFit.fine) * per_coarse_;
+  static float coarse_span(float inward, float outward) {
+    return std::max(0.0F, inward - kEdgeFit.fine) + std::max(0.0F, outward - kEdgeFit.fine);
+  }
+
+  // Which row of bins a place across the edge is in: one of the coarse ones before `fine_begin`, of
+  // the fine ones, or of the coarse ones behind them. Only constants are chosen, so that the
+  // compiler can use its vectors.
+  struct Rows {
+    float per_coarse, before, within, behind;  // row = across * scale + one of these
+
+    Rows(float inward, float in_coarse)
+        : per_coarse(in_coarse),
+          before(inward * in_coarse),
+          within(std::ceil(std::max(0.0F, inward - kEdgeFit.fine) * in_coarse) +
+                 kEdgeFit.fine * kEdgeFit.per_pixel),
+          behind(within + kEdgeFit.fine * (kEdgeFit.per_pixel - in_coarse) + 1) {}
+
+    std::int32_t index_of(float across) const {
+      const bool is_fine = std::abs(across) <= kEdgeFit.fine;
+      const float scale = is_fine ? kEdgeFit.per_pixel : per_coarse;
+      const float coarse = across < 0 ? before : behind;
+      const float first = is_fine ? within : coarse;
+      return static_cast<std::int32_t>(across * scale + first);
     }
-    return static_cast<std::size_t>(static_cast<int>(std::max(0.0F, position)));
+  };
+
+  // The bin of each of the next places; -1 = none.
+  TAGSMITH_WIDE void find_bins(const EvenPlaces& places, int count, std::int32_t* bins) const {
+    const auto per_along = 0.5F * static_cast<float>(zones_);
+    const auto rows = static_cast<std::int32_t>(rows_);
+    const std::int32_t last_zone = zones_ - 1;
+    const Rows across_rows = rows_across_;
+    const float inward = inward_, outward = outward_;
+    const EvenPlaces at = places;
+    TAGSMITH_INDEPENDENT_TURNS
+    for (int i = 0; i < count; ++i) {
+      const auto steps = static_cast<float>(i);
+      const float along = at.along + steps * at.step_along;
+      const float across = at.across + steps * at.step_across;
+      const auto zone = static_cast<std::int32_t>((along + 1) * per_along);
+      const std::int32_t bin =
+          std::max(0, std::min(zone, last_zone)) * rows + across_rows.index_of(across);
+      const bool is_held = (across >= -inward) & (across <= outward);
+      bins[i] = bin | (static_cast<std::int32_t>(is_held) - 1);
+    }
   }
 
   int zones_;
   float inward_;
   float outward_;
-  float per_coarse_ = 1;
-  float fine_begin_ = 0;
-  std::size_t rows_ = 0;
+  Rows rows_across_;
+  std::size_t rows_;
   std::vector<EdgeSample> bins_;
 };
 
@@ -144,16 +198,11 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
     const PixelPoint point{static_cast<double>(steep ? from : major),
                            static_cast<double>(steep ? major : from)};
     auto across = static_cast<float>(dot(point - side.begin, side.outward));
-    auto along = static_cast<float>(along_unit * dot(point - side.begin, side.along) - 1);
+    const auto along = static_cast<float>(along_unit * dot(point - side.begin, side.along) - 1);
     if (is_bowed) across -= static_cast<float>(bow + slope * (static_cast<double>(along) - s));
     const float step_across = by_across - static_cast<float>(slope) * by_along;
     const std::uint8_t* pixel = image.row(steep ? major : from) + (steep ? from : major);
-    for (int minor = from; minor <= to; ++minor) {
-      if (bins.holds(across)) bins.add(along, across, static_cast<float>(*pixel));
-      across += step_across;
-      along += by_along;
-      pixel += step;
-    }
+    bins.add({along, across, by_along, step_across}, pixel, step, to - from + 1);
   }
   return bins.samples();
 }
