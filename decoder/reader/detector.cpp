@@ -40,8 +40,7 @@ Rejection fault_of(const Quad& quad, FrameFault fault) {
 }  // namespace
 
 Detector::Detector(SearchedImage& picture, const ReadOptions& options)
-    : image_(picture.image()),
-      picture_(picture),
+    : picture_(picture),
       options_(options),
       typical_(typical_layout(options.layouts)),
       found_(typical_.frame),
@@ -65,7 +64,7 @@ void Detector::look_at(const Outline& outline) {
 }
 
 void Detector::read_parts() {
-  part_search_.read_cut(image_, [this](PixelPoint at) { return found_.has_reading_at(at); });
+  part_search_.read_cut(image(), [this](PixelPoint at) { return found_.has_reading_at(at); });
 }
 
 // The frames found last come first: those that bars complete are better than the outlines of what
@@ -74,15 +73,15 @@ void Detector::read_covered_parts() {
   const auto is_read = [this](PixelPoint at) { return found_.has_reading_at(at); };
   for (const TagHypothesis& hypothesis : std::views::reverse(found_.all())) {
     if (!hypothesis.frame || hypothesis.reading() != nullptr) continue;
-    show_as_seen_by(hypothesis);
+    const GrayView seen = as_seen_by(hypothesis);
     if (hypothesis.may_be_covered || hypothesis.source == Source::careful) {
-      part_search_.read_covered(image_, *hypothesis.frame, is_read);
+      part_search_.read_covered(seen, *hypothesis.frame, is_read);
     }
     if (!hypothesis.may_be_covered) {
-      part_search_.note_hidden_end(image_, hypothesis.frame->corners);
+      part_search_.note_hidden_end(seen, hypothesis.frame->corners);
     }
   }
-  part_search_.read_beside(image_, is_read);
+  part_search_.read_beside(image(), is_read);
 }
 
 void Detector::look_at(const RoughFrame& proposed) {
@@ -105,13 +104,13 @@ bool Detector::look_at_settled(const PyramidLevel& level, const CoarseFrame& set
   const Quad quad = to_full(level, settled.corners);
   if (found_.is_read(quad)) return true;
   if (found_.was_proposed(Source::outline, quad)) return false;
-  show_as_stored(quad);
+  const GrayView stored = as_stored(quad);
   const FrameResult<RefinedFrame> frame =
-      refine_frame(image_, quad, lens_for(level, settled), typical_.frame);
+      refine_frame(stored, quad, lens_for(level, settled), typical_.frame);
   const bool is_new = frame && !found_.was_fitted(*frame);
   TagHypothesis hypothesis;
   if (is_new) {
-    hypothesis = judged_quickly(quad, *frame);
+    hypothesis = judged_quickly(stored, quad, *frame);
     look_behind_halos(lens_for(level, settled), hypothesis);
   } else {
     hypothesis.rough = quad;
@@ -125,11 +124,11 @@ void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesi
   if (!sharpening) return;
   if (!unsharpened_) unsharpened_.emplace(picture_.image());
   unsharpened_->undo(*sharpening, hypothesis.frame->corners);
-  image_ = unsharpened_->view();
-  auto frame = refine_frame(image_, hypothesis.frame->corners, lens, typical_.frame, true);
+  const GrayView without = unsharpened_->view();
+  auto frame = refine_frame(without, hypothesis.frame->corners, lens, typical_.frame, true);
   TagHypothesis plain;
   if (frame) add_halo_doubt(hypothesis.frame->corners, *frame);
-  if (frame) plain = judged_quickly(hypothesis.rough, *frame);
+  if (frame) plain = judged_quickly(without, hypothesis.rough, *frame);
   const Reading* before = hypothesis.reading();
   const Reading* now = plain.reading();
   if (now == nullptr && (before != nullptr || plain.explained() <= hypothesis.explained())) {
@@ -144,45 +143,51 @@ void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesi
 
 // A frame that is none of ours, such as the outline of blurred bars, tells of a wrong mask, and one
 // that is met later must not be looked at through it.
-void Detector::show_as_stored(const Quad& quad) {
+GrayView Detector::as_stored(const Quad& quad) {
   if (unsharpened_) unsharpened_->restore(quad);
+  return image();
 }
 
-void Detector::show_as_seen_by(const TagHypothesis& hypothesis) {
-  if (!unsharpened_ || !hypothesis.frame) return;
+GrayView Detector::as_seen_by(const TagHypothesis& hypothesis) {
+  if (!unsharpened_ || !hypothesis.frame) return image();
   const Quad& corners = hypothesis.frame->corners;
-  if (!hypothesis.halos) return show_as_stored(corners);
+  if (!hypothesis.halos) return as_stored(corners);
   unsharpened_->undo(*hypothesis.halos, corners);
+  return image();
 }
 
-std::optional<Reading> Detector::read_in_another_layout(const RefinedFrame& frame,
+GrayView Detector::image() const { return unsharpened_ ? unsharpened_->view() : picture_.image(); }
+
+std::optional<Reading> Detector::read_in_another_layout(const GrayView& image,
+                                                        const RefinedFrame& frame,
                                                         const SymbolLayout& tried) const {
   for (const SymbolLayout& layout : options_.layouts) {
     if (layout == tried) continue;
     ReadOptions alone = options_;
     alone.layouts = {layout};
-    const auto symbol = quick_hypothesis(image_, frame, alone);
-    if (!symbol || objection_to_quick(image_, *symbol, alone)) continue;
-    if (auto reading = reading_where_bars_end(image_, *symbol, alone, ReadingMethod::frame)) {
+    const auto symbol = quick_hypothesis(image, frame, alone);
+    if (!symbol || objection_to_quick(image, *symbol, alone)) continue;
+    if (auto reading = reading_where_bars_end(image, *symbol, alone, ReadingMethod::frame)) {
       return reading;
     }
   }
   return std::nullopt;
 }
 
-TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& frame) const {
+TagHypothesis Detector::judged_quickly(const GrayView& image, const Quad& rough,
+                                       const RefinedFrame& frame) const {
   TagHypothesis hypothesis;
   hypothesis.rough = rough;
   hypothesis.frame = frame;
-  auto symbol = quick_hypothesis(image_, frame, options_);
-  const auto objection = symbol ? objection_to_quick(image_, *symbol, options_) : std::nullopt;
+  auto symbol = quick_hypothesis(image, frame, options_);
+  const auto objection = symbol ? objection_to_quick(image, *symbol, options_) : std::nullopt;
   if (symbol && !objection) {
-    auto reading = reading_where_bars_end(image_, *symbol, options_, ReadingMethod::frame);
-    if (!reading) reading = read_in_another_layout(frame, symbol->layout);
+    auto reading = reading_where_bars_end(image, *symbol, options_, ReadingMethod::frame);
+    if (!reading) reading = read_in_another_layout(image, frame, symbol->layout);
     if (reading) {
       hypothesis.outcome = *std::move(reading);
     } else {
-      hypothesis.odd_bars = bars_inside(image_, frame.corners, typical_);
+      hypothesis.odd_bars = bars_inside(image, frame.corners, typical_);
       hypothesis.outcome = rejection_of(*std::move(symbol), {RejectionReason::side_hidden});
     }
     return hypothesis;
@@ -190,7 +195,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
   if (found_.to_be_looked_at() < kSearch.most_tries) {
     hypothesis.may_be_covered = symbol && is_symbol_like(*symbol);
     if (!hypothesis.may_be_covered)
-      hypothesis.odd_bars = bars_inside(image_, frame.corners, typical_);
+      hypothesis.odd_bars = bars_inside(image, frame.corners, typical_);
   }
   if (!symbol) {
     hypothesis.outcome = Rejection{RejectionReason::no_guards, frame.corners};
@@ -198,7 +203,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
   }
   hypothesis.is_doubtful = objection->reason == RejectionReason::doubtful;
   auto stranger =
-      options_.code_book.empty() ? std::nullopt : stranger_to_book(image_, frame, options_);
+      options_.code_book.empty() ? std::nullopt : stranger_to_book(image, frame, options_);
   hypothesis.outcome = stranger ? rejection_of(*std::move(stranger), {RejectionReason::stranger})
                                 : rejection_of(*std::move(symbol), *objection);
   return hypothesis;
@@ -212,37 +217,38 @@ void Detector::look_at(const BarRegion& region) {
   found_.keep({.source = Source::bars});
   const GrayView half = picture_.pyramid().scaled_down(2).level.image;
   for (const SymbolLayout& layout : options_.layouts) {
-    const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
+    const auto rough = frame_by_bars(image(), half, *bars, layout, {lens_});
     if (!rough) continue;
     if (found_.is_read(rough->corners)) return;
     if (found_.was_proposed(Source::completed, rough->corners)) continue;
-    show_as_stored(rough->corners);
+    const GrayView stored = as_stored(rough->corners);
     found_.keep({.source = Source::completed, .rough = rough->corners});
-    const auto symbol = better_hypothesis(image_, *rough, options_);
+    const auto symbol = better_hypothesis(stored, *rough, options_);
     if (!symbol || symbol->decoding.fit.explained < kJudge.like_symbol) continue;
-    const auto frame = frame_by_symbol(image_, half, corners_by_bars(*symbol), layout,
+    const auto frame = frame_by_symbol(stored, half, corners_by_bars(*symbol), layout,
                                        symbol->profile.module_px, {lens_});
     // Of either pair of sides one must show where the bars put it: else it may be another layout.
     if (!frame || !(frame->shown[0] || frame->shown[2])) continue;
     if (!(frame->shown[1] || frame->shown[3])) continue;
-    if (judge_carefully(*frame, true).reading() != nullptr) return;
+    if (judge_carefully(stored, *frame, true).reading() != nullptr) return;
   }
 }
 
 void Detector::look_at(const RefusedFrame& refused) {
   const RefinedFrame frame = *found_[refused.hypothesis].frame;
   if (found_.is_read(frame.corners)) return;
-  show_as_seen_by(found_[refused.hypothesis]);
-  TagHypothesis& looked = judge_carefully(frame, false);
-  if (looked.reading() == nullptr) looked.odd_bars = bars_inside(image_, frame.corners, typical_);
+  const GrayView seen = as_seen_by(found_[refused.hypothesis]);
+  TagHypothesis& looked = judge_carefully(seen, frame, false);
+  if (looked.reading() == nullptr) looked.odd_bars = bars_inside(seen, frame.corners, typical_);
 }
 
-TagHypothesis& Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
+TagHypothesis& Detector::judge_carefully(const GrayView& image, const RefinedFrame& frame,
+                                         bool completed) {
   TagHypothesis hypothesis{.source = Source::careful, .rough = frame.corners, .frame = frame};
-  const auto symbol = believed_hypothesis(image_, frame, options_, completed);
+  const auto symbol = believed_hypothesis(image, frame, options_, completed);
   hypothesis.is_doubtful = !symbol;
   if (symbol) {
-    auto reading = reading_where_bars_end(image_, *symbol, options_, ReadingMethod::partly_covered);
+    auto reading = reading_where_bars_end(image, *symbol, options_, ReadingMethod::partly_covered);
     if (reading) hypothesis.outcome = *std::move(reading);
   }
   return found_.keep(std::move(hypothesis));
@@ -266,12 +272,12 @@ void Detector::try_doubtful() {
 void Detector::judge_again(std::size_t index, const ReadOptions& named) {
   const bool carefully = found_[index].source == Source::careful;
   const RefinedFrame frame = *found_[index].frame;
-  show_as_seen_by(found_[index]);
-  auto symbol = carefully ? believed_hypothesis(image_, frame, named, true)
-                          : quick_hypothesis(image_, frame, named);
-  if (!symbol || (!carefully && objection_to_quick(image_, *symbol, named))) return;
+  const GrayView seen = as_seen_by(found_[index]);
+  auto symbol = carefully ? believed_hypothesis(seen, frame, named, true)
+                          : quick_hypothesis(seen, frame, named);
+  if (!symbol || (!carefully && objection_to_quick(seen, *symbol, named))) return;
   auto reading = reading_where_bars_end(
-      image_, *symbol, named, carefully ? ReadingMethod::partly_covered : ReadingMethod::frame);
+      seen, *symbol, named, carefully ? ReadingMethod::partly_covered : ReadingMethod::frame);
   if (!reading) return;
   TagHypothesis again{.source = Source::again, .rough = frame.corners, .frame = frame};
   again.outcome = *std::move(reading);
@@ -313,7 +319,7 @@ SideSagittas Detector::known_sagittas(const PyramidLevel& level, const Quad& qua
 
 LensGuess Detector::lens_for(const PyramidLevel& level, const CoarseFrame& settled) const {
   if (lens_) return {lens_};
-  const PixelPoint centre{(image_.width - 1) / 2.0, (image_.height - 1) / 2.0};
+  const PixelPoint centre{(picture_.image().width - 1) / 2.0, (picture_.image().height - 1) / 2.0};
   return {std::nullopt,
           lambda_of_coarse(to_full(level, settled.corners), scaled(settled.bows, level.scale),
                            kSearch.sagitta_sigma * level.scale, centre)};

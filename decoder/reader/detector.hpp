@@ -83,28 +83,32 @@ class Detector {
 
   // The reading of a clear symbol whose bars end where another layout has them: layouts with the
   // same quiet zone explain the bars alike.
-  std::optional<Reading> read_in_another_layout(const RefinedFrame& frame,
+  std::optional<Reading> read_in_another_layout(const GrayView& image, const RefinedFrame& frame,
                                                 const SymbolLayout& tried) const;
 
   // Looks again at a hypothesis whose frame shows halos, in the picture without them.
   void look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesis);
 
-  // Shows the picture around a frame as it is stored.
-  void show_as_stored(const Quad& quad);
+  // The picture, and without their halos the frames that were last looked at so. The next look may
+  // change what it shows.
+  GrayView image() const;
 
-  // Shows it around a hypothesis's frame as that was looked at, without its halos.
-  void show_as_seen_by(const TagHypothesis& hypothesis);
+  // The picture, around a frame as it is stored.
+  GrayView as_stored(const Quad& quad);
+
+  // The picture, around a hypothesis's frame as that was looked at, without its halos.
+  GrayView as_seen_by(const TagHypothesis& hypothesis);
 
   // What the quick profile shows inside a frame.
-  TagHypothesis judged_quickly(const Quad& rough, const RefinedFrame& frame) const;
+  TagHypothesis judged_quickly(const GrayView& image, const Quad& rough,
+                               const RefinedFrame& frame) const;
 
   // Reads the symbol inside a frame carefully; the hypothesis that was kept.
-  TagHypothesis& judge_carefully(const RefinedFrame& frame, bool completed);
+  TagHypothesis& judge_carefully(const GrayView& image, const RefinedFrame& frame, bool completed);
 
   // Reads the symbol in the frame of a hypothesis again, when more is known of the codes.
   void judge_again(std::size_t index, const ReadOptions& named);
 
-  GrayView image_;
   SearchedImage& picture_;
   const ReadOptions& options_;
   SymbolLayout typical_;                // of the tags that are searched for

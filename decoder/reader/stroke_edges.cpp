@@ -61,10 +61,11 @@ std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line,
          thickness;
 }
 
-// A stroke's excess besides growth, as its layout has it; `thickness` is set to that of the layout.
+// A stroke's excess, growth included; `thickness` is set to that of the layout. `map`: from the
+// unit square to the frame's inner edge.
 std::optional<StrokeExcess> excess_of_side(const GrayView& image, const SymbolHypothesis& symbol,
-                                           std::size_t side, double& thickness) {
-  const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
+                                           const FrameHomography& map, std::size_t side,
+                                           double& thickness) {
   std::vector<double> seen;
   for (std::size_t i = 0; i < 9; ++i) {
     const double share = (static_cast<double>(i) + 0.5) / 9;
@@ -78,19 +79,23 @@ std::optional<StrokeExcess> excess_of_side(const GrayView& image, const SymbolHy
   for (double& excess : seen) excess = std::abs(excess - middle);
   const double scatter = quantile(seen, 0.5) / std::sqrt(static_cast<double>(seen.size()));
   const double unknown = std::hypot(0.1, 0.01 * thickness, symbol.frame.unexplained_bow);
-  return StrokeExcess{middle - growth_of(symbol).px, std::hypot(2 * scatter, unknown)};
+  return StrokeExcess{middle, std::hypot(2 * scatter, unknown)};
 }
 
 }  // namespace
 
 StrokeExcesses stroke_excesses(const GrayView& image, const SymbolHypothesis& symbol) {
+  const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
+  const double growth = growth_of(symbol).px;
   StrokeExcesses excesses;
   std::array<double, 4> thickness{};
   std::vector<double> shares;
   for (std::size_t side = 0; side < 4; ++side) {
     if (!symbol.frame.shown[side]) continue;
-    excesses[side] = excess_of_side(image, symbol, side, thickness[side]);
-    if (excesses[side]) shares.push_back(excesses[side]->px / thickness[side]);
+    excesses[side] = excess_of_side(image, symbol, map, side, thickness[side]);
+    if (!excesses[side]) continue;
+    excesses[side]->px -= growth;
+    shares.push_back(excesses[side]->px / thickness[side]);
   }
   if (shares.empty()) return excesses;
   std::ranges::sort(shares);

@@ -194,6 +194,26 @@ void sticker(Scene& scene, cv::RNG& draws) {
   });
 }
 
+void crust(Scene& scene, cv::RNG& draws) {
+  cover_plates(scene, draws, 0.5, [](cv::RNG& of) -> Cover {
+    const int side = of.uniform(0, 4);
+    const double thick = of.uniform(0.3, 0.7);
+    return [=](double right, double down) {
+      const double beyond[] = {-down, right - kFrameLength, down - kFrameHeight, -right};
+      const double along = side % 2 == 0 ? right : down;
+      return beyond[side] > -0.1 && beyond[side] < thick * (1 + 0.15 * std::sin(0.7 * along));
+    };
+  });
+}
+
+void shadow_edge(Scene& scene, cv::RNG& draws) {
+  cover_plates(scene, draws, 0, [](cv::RNG& of) -> Cover {
+    const double edge = of.uniform(0, 2) * kFrameHeight + of.uniform(-2.0, 2.0);
+    const bool is_below = of.uniform(0, 2) == 1;
+    return [=](double, double down) { return (down > edge) == is_below ? 0.7 : 0; };
+  });
+}
+
 void torn_corner(Scene& scene, cv::RNG& draws) {
   cover_plates(scene, draws, 0.07, [](cv::RNG& of) -> Cover {
     const bool is_right = of.uniform(0, 2) == 1, is_low = of.uniform(0, 2) == 1;
@@ -452,6 +472,8 @@ constexpr Disturbance kDisturbances[] = {
     {"dark_scratches", "25 scratches of 0.3 to 0.9 modules", dark_scratches},
     {"bright_scratches", "the same, as bright as the plate", bright_scratches},
     {"sticker", "12 by 10 modules, grey", sticker},
+    {"crust", "white along a stroke's inner edge, 0.3 to 0.7 modules", crust},
+    {"shadow_edge", "a shadow's level edge within 2 modules of a side", shadow_edge},
     {"torn_corner", "a corner of 12 modules is gone", torn_corner},
     {"dark_spray", "a line of black paint along the plate", dark_spray},
     {"bright_spray", "a line of grey paint along the plate", bright_spray},
