@@ -51,13 +51,14 @@ void shift_rows(GrayImage& image, const Shift& shift) {
   const GrayImage still = image;
   const ToneCurve& tone = ToneCurve::srgb();
   for (int y = 0; y < image.height; ++y) {
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width);
     for (int x = 0; x < image.width; ++x) {
       const double from = std::clamp(x - shift(y), 0.0, image.width - 1.001);
-      const auto left = static_cast<std::size_t>(y * image.width + static_cast<int>(from));
+      const std::size_t left = row + static_cast<std::size_t>(from);
       const double share = from - std::floor(from);
       const double light = (1 - share) * tone.light_of(still.samples[left]) +
                            share * tone.light_of(still.samples[left + 1]);
-      image.samples[static_cast<std::size_t>(y * image.width + x)] =
+      image.samples[row + static_cast<std::size_t>(x)] =
           static_cast<std::uint8_t>(std::lround(tone.sample_of(light)));
     }
   }
