@@ -459,8 +459,10 @@ std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProbl
 }
 
 // Tags of which every picture shows corners that no flat plate of the template has: nothing
-// compares where these hang.
-void name_not_flat(const AdjustmentProblem& problem, std::vector<HungTag>& tags) {
+// compares where these hang. Where most are so, rig or template are those of others, and none is
+// named.
+void name_not_flat(const AdjustmentProblem& problem, HungTags& hung) {
+  std::vector<HungTag>& tags = hung.tags;
   enum Shape { unseen, flat, not_flat };
   std::vector<Shape> shapes(tags.size(), unseen);
   for (const Station& station : problem.stations) {
@@ -470,6 +472,9 @@ void name_not_flat(const AdjustmentProblem& problem, std::vector<HungTag>& tags)
       shape = make_consistent(problem, sighting) ? flat : not_flat;
     }
   }
+  const auto count = static_cast<std::size_t>(std::ranges::count(shapes, not_flat));
+  if (count > 2 && 2 * count > tags.size()) hung.nothing_fits = true;
+  if (hung.nothing_fits) return;
   for (std::size_t i = 0; i < tags.size(); ++i) {
     if (shapes[i] != not_flat) continue;
     tags[i].verdict = HangVerdict::doubtful;
@@ -594,7 +599,7 @@ HungTags hung_as_surveyed(const Survey& survey, const Rig& rig, std::span<const 
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
   name_doubts(survey, problem, consensus, result.tags);
-  name_not_flat(problem, result.tags);
+  name_not_flat(problem, result);
   if (!result.nothing_fits) {
     result.unknown_tags = find_unknown_tags(survey, problem, sighted, result.tags);
     for (const LeftOutStation& station : consensus.left_out) {

@@ -31,22 +31,17 @@ void add_displacement(double px, FrameSide& side) {
 }
 
 // A stroke that is thicker or thinner than the others has a crust or dirt along one of its edges.
-// Upper and lower sides of unequal blur are no plain edges both: a shadow ends along one, or the
-// camera jerked; by twice what their blurs differ they lie elsewhere (shadows' edges at 0 to 6 mm
-// from a side, 187 tags: 1.6 to 4 times).
-void add_doubt_of_sides(const StrokeExcesses& excesses, RefinedFrame& frame) {
+// Seen obliquely, ink that grew moves the upper and lower side farther than the growth across the
+// bars says, and a tone curve does not.
+void add_doubt_of_sides(const StrokeExcesses& excesses, double growth_along_bars,
+                        RefinedFrame& frame) {
+  for (FrameSide* side : {&frame.sides[0], &frame.sides[2]}) {
+    add_displacement(growth_along_bars / 3, *side);
+  }
   for (std::size_t i = 0; i < 4; ++i) {
     if (!excesses[i] || std::abs(excesses[i]->px) < 2 * excesses[i]->sigma_px) continue;
     add_displacement(excesses[i]->px, frame.sides[i]);
   }
-  FrameSide& upper = frame.sides[0];
-  FrameSide& lower = frame.sides[2];
-  const double apart = upper.blur_px - lower.blur_px;
-  const double noise = (upper.covariance + lower.covariance).trace() / 2;
-  if (frame.was_sharpened || !frame.shown[0] || !frame.shown[2]) return;
-  if (apart * apart < 9 * noise) return;
-  add_displacement(2 * apart, upper);
-  add_displacement(2 * apart, lower);
 }
 
 // Where no end of the bars is visible, only the stroke distinguishes the upper and the lower side
@@ -54,14 +49,15 @@ void add_doubt_of_sides(const StrokeExcesses& excesses, RefinedFrame& frame) {
 PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show,
                               const StrokeExcesses& excesses) {
   RefinedFrame frame = symbol.frame;
-  add_doubt_of_sides(excesses, frame);
+  const BlackGrowth growth = growth_of(symbol);
+  add_doubt_of_sides(excesses, growth.along_bars_px, frame);
   if (!ends_show) {
     for (FrameSide* side : {&frame.sides[0], &frame.sides[2]}) {
       const double doubt = side->stroke_px / 2;
       side->covariance += Eigen::Matrix2d::Identity() * doubt * doubt;
     }
   }
-  const double by_growth = growth_of(symbol).doubt_px / 2;
+  const double by_growth = growth.doubt_px / 2;
   const double by_shadows = symbol.in_shadow ? kCorner.in_shadow : 0;
   return {corners_of(symbol), corner_covariance(frame, std::hypot(by_growth, by_shadows))};
 }
@@ -205,12 +201,17 @@ void add_unexplained(double by_lens, SeenOutwards& seen) {
 std::array<double, 2> beside_a_line(const SeenBands& bands, const SymbolHypothesis& symbol) {
   const Eigen::RowVector3d at_middle = SeenPlaces::by_displacement(kModuleCount / 2.0);
   const double px = symbol.profile.module_px;
+  // Bars along the columns of pixels show them at the same fraction over a whole band.
+  const Quad& corners = symbol.frame.corners;
+  const double crossed =
+      std::min(std::abs(corners[3].x - corners[0].x), std::abs(corners[3].y - corners[0].y));
+  const double along_grid = kCorner.side + kCorner.along_grid / std::max(1.0, crossed / 6);
   Eigen::Matrix<double, 1, 4> shift, variance;
   for (int i = 0; i < 4; ++i) {
     const SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
     shift[i] = px * at_middle.dot(bars.displacement);
-    variance[i] = px * px * at_middle.dot(bars.covariance * at_middle.transpose()) +
-                  kCorner.side * kCorner.side;
+    variance[i] =
+        px * px * at_middle.dot(bars.covariance * at_middle.transpose()) + along_grid * along_grid;
   }
   // Multiples of the orthogonal polynomials of second and third degree at -1.5, -0.5, 0.5, 1.5.
   const Eigen::Vector4d second(1, -1, -1, 1), third(-1, 3, -3, 1);

@@ -33,7 +33,7 @@ AcrossStroke across_stroke(const FrameHomography& map, const FrameShape& shape, 
 }
 
 // How far beyond its place in the layout a stroke ends, pixels.
-std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line,
+std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line, double share,
                                 const FrameSide& side) {
   const double thickness = distance(line.inner, line.outer);
   if (thickness < kEdgeFit.thin_stroke) return std::nullopt;
@@ -50,11 +50,15 @@ std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line,
   std::ranges::transform(levels, levels.begin(),
                          [&](double level) { return tone.light_near(level); });
   // Beside the stroke it may be darker than inside the frame: shadows end along strokes, too.
-  const double black = levels.front(), white = std::ranges::max(levels);
+  const double white = std::ranges::max(levels);
+  // Blur lightens the middle of a thin stroke.
+  const double black =
+      std::min(levels.front(), side.black_begin + share * (side.black_end - side.black_begin));
   const double contrast =
       std::min(side.white_begin - side.black_begin, side.white_end - side.black_end);
   if (!(white - black > 0.08 * std::max(contrast, 0.1))) return std::nullopt;
   const double half = (white + black) / 2;
+  if (levels.front() > half) return std::nullopt;
   const auto end = std::ranges::find_if(levels, [&](double light) { return light > half; });
   const double before = *std::prev(end);
   return first + static_cast<double>(end - levels.begin()) - (*end - half) / (*end - before) -
@@ -71,14 +75,14 @@ std::optional<StrokeExcess> excess_of_side(const GrayView& image, const SymbolHy
     const double share = (static_cast<double>(i) + 0.5) / 9;
     const AcrossStroke line = across_stroke(map, symbol.layout.frame, side, share);
     if (i == 4) thickness = distance(line.inner, line.outer);
-    const auto excess = excess_at(image, line, symbol.frame.sides[side]);
+    const auto excess = excess_at(image, line, share, symbol.frame.sides[side]);
     if (excess) seen.push_back(*excess);
   }
   if (seen.size() < 6) return std::nullopt;
   const double middle = quantile(seen, 0.5);
   for (double& excess : seen) excess = std::abs(excess - middle);
   const double scatter = quantile(seen, 0.5) / std::sqrt(static_cast<double>(seen.size()));
-  const double unknown = std::hypot(0.1, 0.01 * thickness, symbol.frame.unexplained_bow);
+  const double unknown = std::hypot(0.1, 0.01 * thickness, 2 * symbol.frame.unexplained_bow);
   return StrokeExcess{middle, std::hypot(2 * scatter, unknown)};
 }
 
@@ -86,7 +90,7 @@ std::optional<StrokeExcess> excess_of_side(const GrayView& image, const SymbolHy
 
 StrokeExcesses stroke_excesses(const GrayView& image, const SymbolHypothesis& symbol) {
   const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
-  const double growth = growth_of(symbol).px;
+  const BlackGrowth growth = growth_of(symbol);
   StrokeExcesses excesses;
   std::array<double, 4> thickness{};
   std::vector<double> shares;
@@ -94,7 +98,9 @@ StrokeExcesses stroke_excesses(const GrayView& image, const SymbolHypothesis& sy
     if (!symbol.frame.shown[side]) continue;
     excesses[side] = excess_of_side(image, symbol, map, side, thickness[side]);
     if (!excesses[side]) continue;
-    excesses[side]->px -= growth;
+    excesses[side]->px -= growth.px;
+    const double unknown = side % 2 == 0 ? growth.along_bars_px : 0;
+    excesses[side]->sigma_px = std::hypot(excesses[side]->sigma_px, unknown);
     shares.push_back(excesses[side]->px / thickness[side]);
   }
   if (shares.empty()) return excesses;

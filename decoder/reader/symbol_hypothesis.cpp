@@ -169,7 +169,10 @@ BlackGrowth growth_of_bars(const Decoding& decoding, double module_px) {
   return {px, kSharpening.doubt * std::abs(px)};
 }
 
-BlackGrowth growth_of(const SymbolHypothesis& symbol) {
+namespace {
+
+// By the bars; where the picture was sharpened, by the frame's stroke.
+BlackGrowth growth_by_bars_or_strokes(const SymbolHypothesis& symbol) {
   const BlackGrowth of_bars = growth_of_bars(symbol.decoding, symbol.profile.module_px);
   if (!symbol.frame.was_sharpened) return of_bars;
   std::vector<double> by_strokes = stroke_growths(symbol);
@@ -182,6 +185,18 @@ BlackGrowth growth_of(const SymbolHypothesis& symbol) {
   for (const double growth : by_strokes) squares += (growth - mean) * (growth - mean);
   const double scatter = std::sqrt(squares / std::max(1.0, count - 1));
   return {mean, std::hypot(scatter, kSharpening.doubt * (mean - of_bars.px))};
+}
+
+}  // namespace
+
+BlackGrowth growth_of(const SymbolHypothesis& symbol) {
+  const Quad& corners = symbol.frame.corners;
+  const FrameShape& shape = symbol.layout.frame;
+  const double across = distance(corners[0], corners[1]) + distance(corners[2], corners[3]);
+  const double along = distance(corners[1], corners[2]) + distance(corners[3], corners[0]);
+  BlackGrowth growth = growth_by_bars_or_strokes(symbol);
+  growth.along_bars_px = growth.px * (along / shape.height * shape.length / across - 1);
+  return growth;
 }
 
 FrameCorners corners_of(const SymbolHypothesis& symbol) {

@@ -81,10 +81,14 @@ std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const Re
 std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const RefinedFrame& frame,
                                                   const ReadOptions& options);
 
-// By how many pixels everything black is broader than it was drawn.
+// By how many pixels everything black is broader than it was drawn. `along_bars_px`: by how many
+// more the frame's upper and lower strokes are, if it is the print that grew: seen obliquely, a
+// length on the plate is longer along the bars than across them; a tone curve's growth is the same
+// in all directions of the image.
 struct BlackGrowth {
   double px = 0;
   double doubt_px = 0;
+  double along_bars_px = 0;
 };
 
 // By bars with modules of this width.
