@@ -77,9 +77,9 @@ class EdgeBins {
     return std::max(0.0F, inward - kEdgeFit.fine) + std::max(0.0F, outward - kEdgeFit.fine);
   }
 
-  // Which row of bins a place across the edge is in: one of the coarse ones before `fine_begin`, of
-  // the fine ones, or of the coarse ones behind them. Only constants are chosen, so that the
-  // compiler can use its vectors.
+  // Which row of bins a place across the edge is in: one of the coarse ones before the fine ones,
+  // of these, or of the coarse ones behind them. Only constants are chosen, so that the compiler
+  // can use its vectors.
   struct Rows {
     float per_coarse, before, within, behind;  // row = across * scale + one of these
 
