@@ -99,10 +99,11 @@ inline constexpr const char* kOneTagOnly = "one tag only: a wrong plate would go
 // The vehicle's centre O at one measurement.
 struct Fix {
   std::string id;
-  std::string method;               // "joint" or "paper"
-  std::string survey;               // name of the survey whose tags were used
-  std::vector<std::string> tags;    // names of the tags used; without a position, of those seen
-  std::vector<std::string> ranges;  // names of the ranges used
+  std::string method;  // "joint" or "paper"
+  std::string survey;  // name of the survey in whose tunnel the position lies
+  // Names of the tags used; without a position, of those seen. Of another survey: SURVEY/TAG.
+  std::vector<std::string> tags;
+  std::vector<std::string> ranges;           // names of the ranges used
   std::vector<CheckedRange> checked_ranges;  // with an attitude, all within their sensors' limits
   std::vector<Dropped> dropped;              // tags and ranges that contradict the position
   // How many agree with the position although one of its plates may be wrong: the tags that it uses
@@ -133,7 +134,7 @@ struct Fix {
 // "ok" or "no_position".
 std::string status_of(const Fix& fix);
 
-// The survey whose tags were used; without one, the first.
+// The survey in whose tunnel the position lies; without one, the first.
 const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys);
 
 // The pose of a vehicle with a position and an attitude in the world of the survey with this grid.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -89,6 +90,11 @@ constexpr double kUnlikely = 2.33;
 struct NamedProblem {
   JointProblem problem;
   std::vector<const SeenTag*> seen;  // of each sighting
+  const std::vector<Survey>* surveys = nullptr;
+
+  const std::string& tag_name(std::size_t sighting) const {
+    return problem.plates[problem.sightings[sighting].plate].name;
+  }
 };
 
 SightedPlate plate_of(const SeenTag& seen, const Survey& survey) {
@@ -100,17 +106,21 @@ SightedPlate plate_of(const SeenTag& seen, const Survey& survey) {
   return plate;
 }
 
-NamedProblem problem_for(const Observation& observation, std::size_t survey_index,
-                         const Survey& survey, const Rig& rig) {
+// The tags of all surveys, for they are in one grid (check_one_grid). The tunnel is that of the
+// survey `home`, whose tags have their plain names; those of another are named SURVEY/TAG.
+NamedProblem problem_for(const Observation& observation, const std::vector<Survey>& surveys,
+                         std::size_t home, const Rig& rig) {
   NamedProblem named;
+  named.surveys = &surveys;
   JointProblem& problem = named.problem;
   problem.rig = &rig;
-  problem.tunnel = &survey.tunnel;
+  problem.tunnel = &surveys[home].tunnel;
   for (const SeenTag& seen : observation.tags) {
-    if (seen.survey != survey_index || !seen.seen_corners) continue;
     const auto camera = camera_index(rig, seen.camera);
-    if (!camera) continue;
-    const std::size_t plate = plate_index(problem.plates, plate_of(seen, survey));
+    if (!camera || !seen.seen_corners) continue;
+    SightedPlate seen_plate = plate_of(seen, surveys[seen.survey]);
+    if (seen.survey != home) seen_plate.name = surveys[seen.survey].name + "/" + seen_plate.name;
+    const std::size_t plate = plate_index(problem.plates, std::move(seen_plate));
     problem.sightings.push_back(sighting_of(*seen.seen_corners, rig, *camera, plate));
     named.seen.push_back(&seen);
   }
@@ -222,10 +232,11 @@ std::optional<Doubt> doubt_by_photos(const NamedProblem& named, const JointFit& 
   std::set<std::string> agreeing;
   for (const std::size_t i : fit.selection.sightings) agreeing.insert(named.seen[i]->camera);
   std::set<std::string> others, others_tags;
-  for (const SeenTag* seen : named.seen) {
-    if (seen->is_part || agreeing.contains(seen->camera)) continue;
-    others.insert(seen->camera);
-    others_tags.insert(seen->tag.name);
+  for (std::size_t i = 0; i < named.seen.size(); ++i) {
+    const SeenTag& seen = *named.seen[i];
+    if (seen.is_part || agreeing.contains(seen.camera)) continue;
+    others.insert(seen.camera);
+    others_tags.insert(named.tag_name(i));
   }
   if (agreeing.size() > others.size()) return std::nullopt;
   return Doubt{
@@ -239,6 +250,26 @@ std::optional<Doubt> doubt_by_photos(const NamedProblem& named, const JointFit& 
       true};
 }
 
+// A survey that is displaced as a whole is outvoted by no number of tags of another one: the tags
+// of each agree with each other wherever it is.
+std::optional<Doubt> doubt_by_surveys(const NamedProblem& named, const JointFit& fit,
+                                      const Grid& grid) {
+  std::set<std::size_t> agreeing;
+  for (const std::size_t i : fit.selection.sightings) agreeing.insert(named.seen[i]->survey);
+  for (std::size_t i = 0; i < named.seen.size(); ++i) {
+    const SeenTag& seen = *named.seen[i];
+    if (seen.is_part || agreeing.contains(seen.survey)) continue;
+    return Doubt{
+        fmt::format("the surveys contradict each other: {} put the vehicle at {}, where {} of "
+                    "survey {} does not fit; are they in one grid, and do all plates hang where "
+                    "they say?",
+                    tags_text(named.problem, fit), pose_text(grid, fit.state.vehicle),
+                    seen.tag.name, (*named.surveys)[seen.survey].name),
+        true};
+  }
+  return std::nullopt;
+}
+
 std::optional<Doubt> doubt(const NamedProblem& named, const PoseSearch& search, const Grid& grid) {
   const JointProblem& problem = named.problem;
   const JointFit& best = search.candidates.front().fit;
@@ -248,6 +279,7 @@ std::optional<Doubt> doubt(const NamedProblem& named, const PoseSearch& search, 
                      pose_text(grid, best.state.vehicle) + " by " + tags_text(problem, best),
                  true};
   }
+  if (auto displaced = doubt_by_surveys(named, best, grid)) return displaced;
   if (auto outvoted = doubt_by_votes(problem, best, grid)) return outvoted;
   if (auto outvoted = doubt_by_photos(named, best, grid)) return outvoted;
   return plate_count(best) == 1 ? doubt_of_only_tag(problem, best) : std::nullopt;
@@ -377,7 +409,7 @@ bool is_used_twice(const NamedProblem& named, const JointFit& fit, std::size_t s
   const SeenTag& seen = *named.seen[sighting];
   return std::ranges::any_of(fit.selection.sightings, [&](std::size_t used) {
     const SeenTag& other = *named.seen[used];
-    return other.camera == seen.camera && other.tag.name == seen.tag.name &&
+    return other.camera == seen.camera && named.tag_name(used) == named.tag_name(sighting) &&
            distance(other.seen_corners->corners[0], seen.seen_corners->corners[0]) < kSame;
   });
 }
@@ -393,7 +425,7 @@ void list_dropped(Fix& fix, const NamedProblem& named, const PoseSearch& search,
     if (reason.empty()) reason = "it cannot be seen from there";
     if (named.seen[i]->is_part) reason.insert(0, "a part of a tag, perhaps of another one: ");
     if (is_used_twice(named, fit, i)) reason = "was given twice, and counts once";
-    fix.dropped.push_back({named.seen[i]->tag.name, named.seen[i]->camera, reason});
+    fix.dropped.push_back({named.tag_name(i), named.seen[i]->camera, reason});
   }
   for (std::size_t i = 0; i < problem.ranges.size(); ++i) {
     if (std::ranges::find(fit.selection.ranges, i) != fit.selection.ranges.end()) continue;
@@ -413,7 +445,7 @@ void list_corners(Fix& fix, const NamedProblem& named, const JointState& state,
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
     const auto predicted = predicted_pixels(problem, state, i);
     if (!predicted) continue;
-    FittedCorners corners{named.seen[i]->camera, named.seen[i]->tag.name, {}, {}, true};
+    FittedCorners corners{named.seen[i]->camera, named.tag_name(i), {}, {}, true};
     corners.seen = named.seen[i]->seen_corners->corners;
     corners.is_part = named.seen[i]->is_part;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -518,7 +550,7 @@ std::string no_pose(const NamedProblem& named, const PoseSearch& search) {
   for (std::size_t i = 0; i < named.seen.size(); ++i) {
     if (search.reasons[i].empty()) continue;
     const auto known = std::ranges::find(reasons, search.reasons[i]) - reasons.begin();
-    const std::string& name = named.seen[i]->tag.name;
+    const std::string& name = named.tag_name(i);
     if (const auto place = static_cast<std::size_t>(known); place < reasons.size()) {
       tags[place] += ", " + name;
     } else {
@@ -546,17 +578,13 @@ void drop_ranges_out_of_limits(const Rig& rig, JointProblem& problem, Fix& fix) 
 }
 
 Fix localize_by_tags(const Observation& observation, const std::vector<Survey>& surveys,
-                     std::size_t survey_index, const Rig& rig) {
-  const Survey& survey = surveys[survey_index];
+                     std::size_t home, const Rig& rig) {
+  const Survey& survey = surveys[home];
   Fix fix;
   fix.survey = survey.name;
-  NamedProblem named = problem_for(observation, survey_index, survey, rig);
+  NamedProblem named = problem_for(observation, surveys, home, rig);
   drop_ranges_out_of_limits(rig, named.problem, fix);
-  for (const SeenTag* seen : named.seen) {
-    if (std::ranges::find(fix.tags, seen->tag.name) == fix.tags.end()) {
-      fix.tags.push_back(seen->tag.name);
-    }
-  }
+  for (const SightedPlate& plate : named.problem.plates) fix.tags.push_back(plate.name);
   PoseSearch search = search_poses(named.problem);
   if (search.candidates.empty()) {
     fix.reason = no_pose(named, search);
@@ -642,16 +670,19 @@ Fix localize_in(const Observation& observation, const std::vector<Survey>& surve
   return fix;
 }
 
-// The surveys that have a tag with corners in the observation.
+// The surveys whose tags, or parts of them, are seen; those with most tags first.
 std::vector<std::size_t> surveys_seen(const Observation& observation) {
-  std::set<std::size_t> seen;
+  std::map<std::size_t, std::size_t> tags;
   for (const SeenTag& tag : observation.tags) {
-    if (tag.seen_corners) seen.insert(tag.survey);
+    if (tag.seen_corners) ++tags[tag.survey];
   }
   for (const SeenPart& part : observation.parts) {
-    for (const SurveyedTag& candidate : part.candidates) seen.insert(candidate.survey);
+    for (const SurveyedTag& candidate : part.candidates) tags.try_emplace(candidate.survey, 0);
   }
-  return {seen.begin(), seen.end()};
+  std::vector<std::size_t> seen;
+  for (const auto& [survey, count] : tags) seen.push_back(survey);
+  std::ranges::stable_sort(seen, std::ranges::greater{}, [&](std::size_t i) { return tags[i]; });
+  return seen;
 }
 
 Fix without_tags(const Observation& observation) {
@@ -663,25 +694,25 @@ Fix without_tags(const Observation& observation) {
   return fix;
 }
 
-// Of fixes by the tags of different surveys, the one that uses most tags.
-Fix choose(std::vector<Fix> fixes) {
-  const auto rank = [](const Fix& fix) {
-    return fix.position_in_grid ? static_cast<int>(fix.tags.size()) : 0;
-  };
-  std::ranges::stable_sort(fixes, std::ranges::greater{}, rank);
-  Fix best = std::move(fixes.front());
-  if (fixes.size() < 2) return best;
-  if (rank(fixes[1]) > 0 && rank(fixes[1]) == rank(best)) {
-    Fix none;
-    none.reason = fmt::format("as many tags of survey {} as of survey {} were seen", best.survey,
-                              fixes[1].survey);
-    return none;
+// How far a position lies before the beginning or after the end of its survey's center line.
+double beyond_ends(const Fix& fix, const std::vector<Survey>& surveys) {
+  const Survey& survey = survey_of(fix, surveys);
+  const Vector3d place = world_from_grid(survey.grid, *fix.position_in_grid);
+  const Centerline& centerline = survey.tunnel.centerline;
+  const double chainage = centerline.locate(place.head<2>()).chainage;
+  return std::max({-chainage, chainage - centerline.length(), 0.0});
+}
+
+// Of fixes by the same tags in the tunnels of different surveys, the one that lies in its tunnel.
+Fix choose(const std::vector<Fix>& fixes, const std::vector<Survey>& surveys) {
+  const Fix* best = &fixes.front();
+  for (const Fix& fix : fixes) {
+    if (!fix.position_in_grid) continue;
+    const bool nearer =
+        !best->position_in_grid || beyond_ends(fix, surveys) < beyond_ends(*best, surveys);
+    if (nearer) best = &fix;
   }
-  for (std::size_t i = 1; i < fixes.size(); ++i) {
-    best.notes.push_back(fmt::format("tags of survey {} not used: {}", fixes[i].survey,
-                                     fmt::join(fixes[i].tags, " ")));
-  }
-  return best;
+  return *best;
 }
 
 }  // namespace
@@ -692,7 +723,7 @@ Fix localize_jointly(const Observation& observation, const std::vector<Survey>& 
   for (const std::size_t survey : surveys_seen(observation)) {
     fixes.push_back(localize_in(observation, surveys, survey, rig));
   }
-  Fix fix = fixes.empty() ? without_tags(observation) : choose(std::move(fixes));
+  Fix fix = fixes.empty() ? without_tags(observation) : choose(fixes, surveys);
   fix.id = observation.id;
   fix.method = "joint";
   if (fix.position_in_grid) {

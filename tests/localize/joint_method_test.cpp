@@ -40,6 +40,18 @@ Site site_of_unknown_cameras() {
   return site;
 }
 
+// A third and a fourth camera see more tags.
+Site with_four_cameras(Site site) {
+  for (const RigCamera& camera : std::vector<RigCamera>(site.rig.cameras)) {
+    RigCamera ahead = camera;
+    ahead.name += "_ahead";
+    ahead.vehicle_from_camera =
+        vehicle_from_camera(camera.name == "left" ? radians(25) : radians(-25), 0, 0, {0, 0, 0});
+    site.rig.cameras.push_back(ahead);
+  }
+  return site;
+}
+
 // What the cameras see where each row of an image is exposed a little later than the one above it,
 // and the vehicle drives `way` metres from the first row to the last.
 Observation observation_in_passing(const Site& site, const VehiclePose& middle, double way) {
@@ -264,14 +276,7 @@ TEST_CASE("two tags that contradict each other make no position, three outvote o
   CHECK_FALSE(none.position_in_grid.has_value());
   CHECK(none.reason.find("contradict each other") != std::string::npos);
 
-  Site wide = site;  // a third and a fourth camera see more tags
-  for (const RigCamera& camera : site.rig.cameras) {
-    RigCamera ahead = camera;
-    ahead.name += "_ahead";
-    ahead.vehicle_from_camera =
-        vehicle_from_camera(camera.name == "left" ? radians(25) : radians(-25), 0, 0, {0, 0, 0});
-    wide.rig.cameras.push_back(ahead);
-  }
+  const Site wide = with_four_cameras(site);
   Observation many = observation_at(wide, truth);
   REQUIRE(many.tags.size() >= 4);
   const std::string wrong = many.tags[0].tag.name;
@@ -316,34 +321,91 @@ TEST_CASE("a range that contradicts the only tag leaves no position, whichever i
   CHECK(fix.reason.find("range and tag contradict each other") == 0);
 }
 
-TEST_CASE("of tags of two surveys the more place the vehicle, and as many make no position") {
-  const Site site = site_named("corridor");
+namespace {
+
+// The corridor as two surveys in one grid, the second from this pair on; in the second, all plates
+// stand `displaced` metres along the drive from where they hang.
+std::vector<Survey> in_two_surveys(const Site& site, int second_from, double displaced) {
   std::vector<Survey> surveys{site.survey, site.survey};
-  surveys[0].name = "old";
-  surveys[1].name = "new";
+  surveys[0].name = "near";
+  surveys[1].name = "far";
+  std::erase_if(surveys[0].tags, [&](const PlacedTag& tag) { return tag.pair >= second_from; });
+  std::erase_if(surveys[1].tags, [&](const PlacedTag& tag) { return tag.pair < second_from; });
+  for (PlacedTag& tag : surveys[1].tags) tag.world_from_plate.translation.y() += displaced;
+  return surveys;
+}
+
+// What is seen of all plates, each given to the survey that has it, at its place there.
+Observation by_surveys(Observation seen, const std::vector<Survey>& surveys) {
+  for (SeenTag& tag : seen.tags) {
+    const SurveyedTag found = find_tags(surveys, tag.tag.digits).at(0);
+    tag.survey = found.survey;
+    tag.tag = *found.tag;
+  }
+  return seen;
+}
+
+}  // namespace
+
+TEST_CASE("tags of two surveys in one grid place the vehicle together, a tag of each or more") {
+  const Site site = with_four_cameras(site_named("corridor"));
+  const VehiclePose truth = pose_at(site, 2.0, 0.0);
+  const Observation seen = observation_at(site, truth);
+  const Fix whole = localize_jointly(seen, {site.survey}, site.rig);
+  int together = 0;
+  for (int second_from = 1; second_from < 8; ++second_from) {
+    CAPTURE(second_from);
+    const auto surveys = in_two_surveys(site, second_from, 0);
+    const Fix fix = localize_jointly(by_surveys(seen, surveys), surveys, site.rig);
+    CHECK(error_of(fix, site, truth) < 1e-3);
+    CHECK(fix.confirmations == whole.confirmations);
+    CHECK(*fix.covariance_in_grid == *whole.covariance_in_grid);
+    REQUIRE(fix.tags.size() == whole.tags.size());
+    for (std::size_t i = 0; i < fix.tags.size(); ++i) {
+      const bool is_own = fix.tags[i] == whole.tags[i];
+      CHECK((is_own || fix.tags[i] == (fix.survey == "near" ? "far/" : "near/") + whole.tags[i]));
+      together += !is_own;
+    }
+  }
+  CHECK(together > 0);
+}
+
+TEST_CASE("a survey that is displaced as a whole is outvoted by no number of another one's tags") {
+  const Site site = with_four_cameras(site_named("corridor"));
+  int one_against_more = 0;
+  for (double chainage = 1; chainage < 5; chainage += 0.2) {
+    const VehiclePose truth = pose_at(site, chainage, 0.0);
+    const Observation seen = observation_at(site, truth);
+    for (int second_from = 1; second_from < 8; ++second_from) {
+      const auto surveys = in_two_surveys(site, second_from, chainage < 3 ? 0.05 : 0.3);
+      const Observation row = by_surveys(seen, surveys);
+      const auto far = std::ranges::count(row.tags, std::size_t{1}, &SeenTag::survey);
+      const auto near = std::ssize(row.tags) - far;
+      if (far == 0 || near == 0) continue;
+      CAPTURE(chainage);
+      CAPTURE(second_from);
+      one_against_more += (far == 1) != (near == 1);
+      const Fix fix = localize_jointly(row, surveys, site.rig);
+      CHECK_FALSE(fix.position_in_grid.has_value());
+      CHECK_MESSAGE(fix.reason.find("contradict each other") != std::string::npos, fix.reason);
+    }
+  }
+  CHECK(one_against_more > 0);
+}
+
+TEST_CASE("of two surveys the one in whose tunnel the vehicle stands names the position") {
+  const Site site = site_named("corridor");
   const VehiclePose truth = pose_at(site, 1.0, 0.0);
-  Observation seen = observation_at(site, truth);
+  const Observation seen = observation_at(site, truth);
   REQUIRE(seen.tags.size() >= 2);
-  seen.tags.resize(2);
-  SeenTag again = seen.tags[1];
-  again.survey = 1;
-  seen.tags.push_back(again);
-  const Fix by_more = localize_jointly(seen, surveys, site.rig);
-  CHECK(error_of(by_more, site, truth) < 1e-3);
-  CHECK(by_more.survey == "old");
-  CHECK(by_more.notes ==
-        std::vector<std::string>{"tags of survey new not used: " + again.tag.name});
-  again = seen.tags[0];
-  again.survey = 1;
-  seen.tags.push_back(again);
-  const Fix by_as_many = localize_jointly(seen, surveys, site.rig);
-  CHECK_FALSE(by_as_many.position_in_grid.has_value());
-  CHECK(by_as_many.reason == "as many tags of survey old as of survey new were seen");
+  auto surveys = in_two_surveys(site, 0, 0);  // all tags are of the second one
+  surveys[0].tags = {surveys[1].tags.front()};
+  std::swap(surveys[0].tunnel, surveys[1].tunnel);
+  Observation row = by_surveys(seen, surveys);
+  CHECK(localize_jointly(row, surveys, site.rig).survey == "far");
   // Two surveys without a position do not stand against each other.
-  for (SeenTag& tag : seen.tags) tag.seen_corners->corners.fill({100, 100});
-  const Fix by_none = localize_jointly(seen, surveys, site.rig);
-  CHECK_FALSE(by_none.position_in_grid.has_value());
-  CHECK(by_none.survey == "old");
+  for (SeenTag& tag : row.tags) tag.seen_corners->corners.fill({100, 100});
+  CHECK_FALSE(localize_jointly(row, surveys, site.rig).position_in_grid.has_value());
 }
 
 TEST_CASE("a lone tag that lifts the vehicle off its floor is not believed, two are") {

@@ -70,7 +70,7 @@ struct Fix {
   std::optional<Attitude> attitude;
   std::optional<Matrix<6>> pose_covariance;  // of x, y, z, heading, pitch, roll
   std::string reason;                        // why there is no position; empty with one
-  std::string survey;                        // whose tags were used
+  std::string survey;                        // in whose tunnel the position lies
   std::vector<std::string> tags;             // used; without a position, seen
   std::vector<std::string> ranges;           // used
   std::vector<Dropped> dropped;              // tags and ranges that contradict the position
