@@ -16,9 +16,10 @@ using FrameCorners = Quad;
 // modules of the symbol inside. The search needs to know them roughly. The default is that of the
 // larger plate of Xu et al. (2017).
 struct FrameShape {
-  double length = 113;   // along the symbol
-  double height = 55.3;  // along its bars
-  double stroke = 3.95;  // thickness
+  double length = 113;          // along the symbol
+  double height = 55.3;         // along its bars
+  double stroke = 3.95;         // thickness
+  double stroke_tolerance = 1;  // by what share of it all strokes of a print may differ from it
 
   bool operator==(const FrameShape&) const = default;
 };

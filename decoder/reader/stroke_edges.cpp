@@ -32,37 +32,58 @@ AcrossStroke across_stroke(const FrameHomography& map, const FrameShape& shape, 
   return {map(inner.x, inner.y), map(outer.x, outer.y)};
 }
 
-// How far beyond its place in the layout a stroke ends, pixels.
-std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line, double share,
-                                const FrameSide& side) {
-  const double thickness = distance(line.inner, line.outer);
-  if (thickness < kEdgeFit.thin_stroke) return std::nullopt;
-  const PixelPoint outward = (1 / thickness) * (line.outer - line.inner);
-  const int first = static_cast<int>(thickness / 2);
-  const int last = static_cast<int>(std::ceil(1.4 * thickness)) + 2;
-  const PlacesOnLine places{line.inner, outward, first, 1};
+// Light along a line, at steps of a pixel from a place on.
+struct LightAlong {
+  int first = 0;  // pixels from the line's begin
+  std::vector<double> light;
+
+  // Where it first exceeds the level, which it does not at its begin; pixels from the line's begin.
+  std::optional<double> crossing(double level) const {
+    const auto end = std::ranges::find_if(light, [&](double at) { return at > level; });
+    if (end == light.begin() || end == light.end()) return std::nullopt;
+    const double before = *std::prev(end);
+    return first + static_cast<double>(end - light.begin()) - (*end - level) / (*end - before);
+  }
+};
+
+std::optional<LightAlong> light_along(const GrayView& image, const PixelPoint& begin,
+                                      const PixelPoint& along, int first, int last) {
+  const PlacesOnLine places{begin, along, first, 1};
   if (!is_inside(image, places.at(0)) || !is_inside(image, places.at(last - first))) {
     return std::nullopt;
   }
-  std::vector<double> levels(static_cast<std::size_t>(last - first + 1));
-  sample_line(image, places, levels);
+  LightAlong seen{first, std::vector<double>(static_cast<std::size_t>(last - first + 1))};
+  sample_line(image, places, seen.light);
   const ToneCurve& tone = ToneCurve::of(image);
-  std::ranges::transform(levels, levels.begin(),
+  std::ranges::transform(seen.light, seen.light.begin(),
                          [&](double level) { return tone.light_near(level); });
-  // Beside the stroke it may be darker than inside the frame: shadows end along strokes, too.
-  const double white = std::ranges::max(levels);
+  return seen;
+}
+
+// How far beyond its place in the layout a stroke ends. It ends half way between black and white;
+// white beside it is that inside the frame, or less in a shadow that ends along the stroke, or
+// where a narrow white margin is blurred. The end lies between what the two say.
+std::optional<StrokeExcess> excess_at(const GrayView& image, const AcrossStroke& line, double share,
+                                      const FrameSide& side) {
+  const double thickness = distance(line.inner, line.outer);
+  if (thickness < kEdgeFit.thin_stroke) return std::nullopt;
+  const PixelPoint outward = (1 / thickness) * (line.outer - line.inner);
+  const auto seen = light_along(image, line.inner, outward, static_cast<int>(thickness / 2),
+                                static_cast<int>(std::ceil(1.4 * thickness)) + 2);
+  if (!seen) return std::nullopt;
+  const double beside = std::ranges::max(seen->light);
+  const double white = side.white_begin + share * (side.white_end - side.white_begin);
   // Blur lightens the middle of a thin stroke.
   const double black =
-      std::min(levels.front(), side.black_begin + share * (side.black_end - side.black_begin));
+      std::min(seen->light.front(), side.black_begin + share * (side.black_end - side.black_begin));
   const double contrast =
       std::min(side.white_begin - side.black_begin, side.white_end - side.black_end);
-  if (!(white - black > 0.08 * std::max(contrast, 0.1))) return std::nullopt;
-  const double half = (white + black) / 2;
-  if (levels.front() > half) return std::nullopt;
-  const auto end = std::ranges::find_if(levels, [&](double light) { return light > half; });
-  const double before = *std::prev(end);
-  return first + static_cast<double>(end - levels.begin()) - (*end - half) / (*end - before) -
-         thickness;
+  if (!(beside - black > 0.08 * std::max(contrast, 0.1))) return std::nullopt;
+  const auto near = seen->crossing((beside + black) / 2);
+  if (!near) return std::nullopt;
+  const double far =
+      seen->crossing((std::max(white, beside) + black) / 2).value_or(*near + side.blur_px);
+  return StrokeExcess{(*near + far) / 2 - thickness, (far - *near) / 2};
 }
 
 // A stroke's excess, growth included; `thickness` is set to that of the layout. `map`: from the
@@ -70,20 +91,22 @@ std::optional<double> excess_at(const GrayView& image, const AcrossStroke& line,
 std::optional<StrokeExcess> excess_of_side(const GrayView& image, const SymbolHypothesis& symbol,
                                            const FrameHomography& map, std::size_t side,
                                            double& thickness) {
-  std::vector<double> seen;
+  std::vector<double> seen, unsure;
   for (std::size_t i = 0; i < 9; ++i) {
     const double share = (static_cast<double>(i) + 0.5) / 9;
     const AcrossStroke line = across_stroke(map, symbol.layout.frame, side, share);
     if (i == 4) thickness = distance(line.inner, line.outer);
     const auto excess = excess_at(image, line, share, symbol.frame.sides[side]);
-    if (excess) seen.push_back(*excess);
+    if (!excess) continue;
+    seen.push_back(excess->px);
+    unsure.push_back(excess->sigma_px);
   }
   if (seen.size() < 6) return std::nullopt;
   const double middle = quantile(seen, 0.5);
   for (double& excess : seen) excess = std::abs(excess - middle);
   const double scatter = quantile(seen, 0.5) / std::sqrt(static_cast<double>(seen.size()));
   const double unknown = std::hypot(0.1, 0.01 * thickness, 2 * symbol.frame.unexplained_bow);
-  return StrokeExcess{middle, std::hypot(2 * scatter, unknown)};
+  return StrokeExcess{middle, std::hypot(2 * scatter, unknown, quantile(unsure, 0.5))};
 }
 
 }  // namespace
@@ -104,8 +127,11 @@ StrokeExcesses stroke_excesses(const GrayView& image, const SymbolHypothesis& sy
     shares.push_back(excesses[side]->px / thickness[side]);
   }
   if (shares.empty()) return excesses;
+  // What most strokes have in common is the print's. Where it is more than that, most have a crust.
+  const double of_print = symbol.layout.frame.stroke_tolerance;
   std::ranges::sort(shares);
-  const double common = (shares[(shares.size() - 1) / 2] + shares[shares.size() / 2]) / 2;
+  const double middle = (shares[(shares.size() - 1) / 2] + shares[shares.size() / 2]) / 2;
+  const double common = std::clamp(middle, -of_print, of_print);
   for (std::size_t side = 0; side < 4; ++side) {
     if (!excesses[side]) continue;
     const double alone = excesses[side]->px - common * thickness[side];

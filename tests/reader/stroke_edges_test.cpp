@@ -2,11 +2,16 @@
 // How thick a frame's strokes are seen to be, side by side.
 #include "decoder/reader/stroke_edges.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include <doctest/doctest.h>
 
+#include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/placed_corners.hpp"
 #include "tests/reader/drawn_symbol.hpp"
 
@@ -37,6 +42,36 @@ DrawnSymbol with_crust(int thickness) {
   return drawn;
 }
 
+// Blurs along the rows, then along the columns, by a Gaussian in light.
+void blur(double sigma, GrayImage& image) {
+  const ToneCurve& tone = ToneCurve::srgb();
+  std::array<double, 13> weights{};
+  double sum = 0;
+  for (int i = -6; i <= 6; ++i) {
+    sum += weights[static_cast<std::size_t>(i + 6)] = std::exp(-i * i / (2 * sigma * sigma));
+  }
+  std::vector<double> light(image.samples.size()), blurred(light.size());
+  std::ranges::transform(image.samples, light.begin(),
+                         [&](std::uint8_t sample) { return tone.light_of(sample); });
+  const int sizes[] = {image.width, image.height}, steps[] = {1, image.width};
+  for (const int axis : {0, 1}) {
+    for (int i = 0; i < std::ssize(light); ++i) {
+      const int at = i / steps[axis] % sizes[axis];
+      double mean = 0;
+      for (int k = -6; k <= 6; ++k) {
+        const int near = std::clamp(at + k, 0, sizes[axis] - 1) - at;
+        mean += weights[static_cast<std::size_t>(k + 6)] / sum *
+                light[static_cast<std::size_t>(i + near * steps[axis])];
+      }
+      blurred[static_cast<std::size_t>(i)] = mean;
+    }
+    light.swap(blurred);
+  }
+  std::ranges::transform(light, image.samples.begin(), [&](double at) {
+    return static_cast<std::uint8_t>(std::lround(tone.sample_of(at)));
+  });
+}
+
 }  // namespace
 
 TEST_CASE("strokes as the layout has them have no excess") {
@@ -64,6 +99,57 @@ TEST_CASE("strokes of another thickness all around are another template's, and n
   for (const auto& excess : stroke_excesses(drawn.image.view(), symbol_of(drawn))) {
     REQUIRE(excess);
     CHECK(std::abs(excess->px) < 2 * excess->sigma_px);
+  }
+}
+
+TEST_CASE(
+    "with a known template, crusts along most strokes leave these thinner, not the others "
+    "thicker") {
+  DrawnSymbol drawn(kDrawnDigits, 3);
+  drawn.layout.frame.stroke = kStroke / 3.0;
+  drawn.layout.frame.stroke_tolerance = 0.03;
+  drawn.fill(0, -2, drawn.width(), 0, DrawnSymbol::kWhite);
+  drawn.fill(0, drawn.height(), drawn.width(), drawn.height() + 2, DrawnSymbol::kWhite);
+  drawn.fill(-2, 0, 0, drawn.height(), DrawnSymbol::kWhite);
+  RefinedFrame frame = drawn.frame();
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    frame.corners[corner].y += corner < 2 ? -2 : 2;
+    if (corner == 0 || corner == 3) frame.corners[corner].x -= 2;
+  }
+  ReadOptions options;
+  options.layouts = {drawn.layout};
+  options.code_book = {kDrawnDigits};
+  const auto symbol = quick_hypothesis(drawn.image.view(), frame, options);
+  REQUIRE(symbol);
+  const auto excesses = stroke_excesses(drawn.image.view(), *symbol);
+  for (std::size_t side = 0; side < 4; ++side) {
+    CAPTURE(side);
+    REQUIRE(excesses[side]);
+    if (side == 1) {
+      CHECK(std::abs(excesses[side]->px) < 2 * excesses[side]->sigma_px);
+    } else {
+      CHECK(excesses[side]->px < -1);
+      CHECK(excesses[side]->px < -2 * excesses[side]->sigma_px);
+    }
+  }
+}
+
+TEST_CASE("beside a narrow white margin, a blurred stroke is not thinner for it") {
+  for (const int margin : {3, 4, 6}) {
+    CAPTURE(margin);
+    DrawnSymbol drawn(kDrawnDigits, 3);
+    drawn.layout.frame.stroke = kStroke / 3.0;
+    drawn.layout.frame.stroke_tolerance = 0.03;
+    const int beyond = kStroke + margin, far = DrawnSymbol::kMargin;
+    const int right = drawn.width() + beyond, below = drawn.height() + beyond;
+    drawn.fill(-far, -far, drawn.width() + far, -beyond, 10);
+    drawn.fill(-far, below, drawn.width() + far, drawn.height() + far, 10);
+    drawn.fill(-far, -beyond, -beyond, below, 10);
+    drawn.fill(right, -beyond, drawn.width() + far, below, 10);
+    blur(1.6, drawn.image);
+    for (const auto& excess : stroke_excesses(drawn.image.view(), symbol_of(drawn))) {
+      if (excess) CHECK(std::abs(excess->px) < 2 * excess->sigma_px);
+    }
   }
 }
 
