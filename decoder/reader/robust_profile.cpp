@@ -99,17 +99,28 @@ DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels) {
   return dark;
 }
 
-// Those of a part of the frame's inner height.
-DarkRows rows_between(const SymbolRows& rows, const DarkRows& dark, double top, double bottom) {
-  Eigen::Index first = 0, end = dark.count.cols();
+// Some rows that follow one another.
+struct RowRange {
+  Eigen::Index first = 0;
+  Eigen::Index end = 0;
+};
+
+// The rows within two heights, shares of the frame's inner height.
+RowRange rows_between(const SymbolRows& rows, const std::array<double, 2>& heights) {
+  RowRange range{0, static_cast<Eigen::Index>(rows.rows)};
   const auto height = [&](Eigen::Index row) {
     return rows.height_of(static_cast<std::size_t>(row));
   };
-  while (first < end && height(first) < top) ++first;
-  while (first < end && height(end - 1) > bottom) --end;
-  const Eigen::Index count = end - first;
-  DarkRows part{dark.darkness.middleCols(first, count), dark.place.middleCols(first, count),
-                dark.count.middleCols(first, count), dark.bins};
+  while (range.first < range.end && height(range.first) < heights[0]) ++range.first;
+  while (range.first < range.end && height(range.end - 1) > heights[1]) --range.end;
+  return range;
+}
+
+DarkRows part_of(const DarkRows& dark, const RowRange& range) {
+  const Eigen::Index count = range.end - range.first;
+  DarkRows part{dark.darkness.middleCols(range.first, count),
+                dark.place.middleCols(range.first, count),
+                dark.count.middleCols(range.first, count), dark.bins};
   leave_out_empty(part);
   return part;
 }
@@ -120,15 +131,19 @@ struct PixelSums {
 };
 
 // Row after row, so that rounding is the same on every machine.
-PixelSums sums_of(const DarkRows& rows, const Cells& pixels) {
+PixelSums sums_of(const DarkRows& rows, const Cells& pixels, const RowRange& range) {
   const Bins none = Bins::Zero(pixels.rows());
   PixelSums sums{none, none, none};
-  for (Eigen::Index row = 0; row < pixels.cols(); ++row) {
+  for (Eigen::Index row = range.first; row < range.end; ++row) {
     sums.darkness += pixels.col(row) * rows.darkness.col(row);
     sums.place += pixels.col(row) * rows.place.col(row);
     sums.count += pixels.col(row);
   }
   return sums;
+}
+
+PixelSums sums_of(const DarkRows& rows, const Cells& pixels) {
+  return sums_of(rows, pixels, {0, pixels.cols()});
 }
 
 // What the rows agree on in each bin.
@@ -338,9 +353,15 @@ ScanBin bin_of(const SymbolRows& symbol, const Consensus& consensus, const RowsB
           variance / count + kModelVariance + doubt * doubt * doubt * doubt, count / seen};
 }
 
+// A profile, and the variance of a pixel's darkness where no cell is odd.
+struct AgreeingRows {
+  ScanProfile profile;
+  std::optional<double> pixel_variance;
+};
+
 // For each bin the mean darkness of those rows that are near their median, with the doubt that the
 // other rows cause.
-ScanProfile profile_of_agreeing(const SymbolRows& rows, const DarkRows& dark) {
+AgreeingRows profile_of_agreeing(const SymbolRows& rows, const DarkRows& dark) {
   if (dark.bins.empty()) return {};
   const PixelSums all = sums_of(dark, dark.count);
   const Consensus consensus = consensus_of(dark, all);
@@ -354,6 +375,22 @@ ScanProfile profile_of_agreeing(const SymbolRows& rows, const DarkRows& dark) {
   for (std::size_t i = 0; i < certain.size(); ++i) {
     profile.push_back(
         bin_of(rows, consensus, by_state, static_cast<Eigen::Index>(i), certain[i], variance));
+  }
+  return {std::move(profile), odd.any() ? std::nullopt : std::optional(variance)};
+}
+
+// The same of some of the rows where no cell of all is odd.
+ScanProfile profile_of_even_rows(const SymbolRows& rows, const DarkRows& dark,
+                                 const RowRange& range, double pixel_variance) {
+  const PixelSums sums = sums_of(dark, dark.count, range);
+  ScanProfile profile;
+  profile.reserve(dark.bins.size());
+  for (Eigen::Index bin = 0; bin < sums.count.size(); ++bin) {
+    const auto count = static_cast<double>(sums.count[bin]);
+    if (count == 0) continue;
+    profile.push_back({rows.module_of(static_cast<double>(sums.place[bin]) / count),
+                       static_cast<double>(sums.darkness[bin]) / count,
+                       pixel_variance / count + kModelVariance, 1});
   }
   return profile;
 }
@@ -523,8 +560,17 @@ SymbolProfile RobustProfile::finished(ScanProfile bins, const SymbolRows& rows) 
 }
 
 SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
-  const auto [top, bottom] = used_heights(part, rows_.layout);
-  return finished(profile_of_agreeing(rows_, rows_between(rows_, dark_, top, bottom)), rows_);
+  const RowRange range = rows_between(rows_, used_heights(part, rows_.layout));
+  AgreeingRows agreeing = profile_of_agreeing(rows_, part_of(dark_, range));
+  SymbolProfile profile = finished(std::move(agreeing.profile), rows_);
+  profile.pixel_variance = agreeing.pixel_variance;
+  return profile;
+}
+
+SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part, const SymbolProfile& whole) const {
+  if (!whole.pixel_variance) return of_agreeing_rows(part);
+  const RowRange range = rows_between(rows_, used_heights(part, rows_.layout));
+  return finished(profile_of_even_rows(rows_, dark_, range, *whole.pixel_variance), rows_);
 }
 
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {

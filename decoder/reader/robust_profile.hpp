@@ -36,6 +36,8 @@ struct SymbolProfile {
   double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
   double pixel = 0;      // width of a pixel across the bars, modules: beside it
   bool is_evened = false;  // shadows on the plate were evened out (uneven_light.hpp)
+  // Variance of a pixel's darkness, of rows that agree everywhere.
+  std::optional<double> pixel_variance{};
 };
 
 // A part of the bars' height, from the upper end of the bars (0) to the lower one (1).
@@ -58,7 +60,11 @@ class RobustProfile {
 
   // Where the rows agree, by the white and black of the frame's sides: for each place the mean of
   // the rows that are near their median. Quick.
-  SymbolProfile of_agreeing_rows(HeightShare part = {}) const;
+  SymbolProfile of_agreeing_rows() const { return of_agreeing_rows(HeightShare{}); }
+  SymbolProfile of_agreeing_rows(HeightShare part) const;
+  // Of a part of the bars' height: where all rows agreed in the profile of the whole, the mean of
+  // these.
+  SymbolProfile of_agreeing_rows(HeightShare part, const SymbolProfile& whole) const;
 
   // Where they do not. The darkness common to the rows is determined together with each row's own
   // local white and contrast (about ten modules long), so that glare, shadows and thin dust only

@@ -157,12 +157,13 @@ Parameters nominal_for(const ImagingModel& start) {
   return pack(nominal);
 }
 
-FitEquations minimise(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
+FitEquations minimise(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
+                      const DampedSteps& steps) {
   const Parameters nominal = nominal_for(start);
   const FitProblem problem(profile, digits, start.pixel);
   Parameters p = pack(start);
   FitEquations found = minimise_damped(
-      p, {},
+      p, steps,
       [&](const Parameters& at) {
         std::vector<WeighedPlace> places = problem.places_at(at);
         FitEquations equations{normal_equations(places), at, std::move(places), at};
@@ -179,7 +180,7 @@ FitEquations minimise(const ScanProfile& profile, const Digits& digits, const Im
 }  // namespace
 
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
-  const FitEquations found = minimise(profile, digits, start);
+  const FitEquations found = minimise(profile, digits, start, {});
   return {unpack(found.solution, start.pixel), found.of_profile,
           1 - found.of_profile / std::max(total_variation(profile), 1e-12),
           found.solution[kLogBlur] >= most_log_blur()};
@@ -194,7 +195,9 @@ Eigen::RowVector3d SeenPlaces::by_displacement(double module) {
 SeenPlaces seen_places(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
                        double bend_sigma) {
   static_assert(kStretch == kShift + 1 && kBend == kShift + 2);
-  FitEquations normal = minimise(profile, digits, start);
+  // A step that gains no more is a twentieth of a module at most, over which the bars' edges are as
+  // good as straight.
+  FitEquations normal = minimise(profile, digits, start, {.settled = 0.01});
   add_priors(normal.at - nominal_for(start), normal, -1);
   const double weight = 1 / (bend_sigma * bend_sigma);
   normal.matrix(kBend, kBend) += weight;
