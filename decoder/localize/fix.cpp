@@ -59,6 +59,14 @@ std::string to_string(const Unchecked& unchecked) {
 
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }
 
+std::vector<std::string> unique_tags(const Fix& fix) {
+  std::vector<std::string> tags;
+  for (const std::string& tag : fix.tags) {
+    tags.push_back(tag.find('/') != std::string::npos ? tag : fix.survey + "/" + tag);
+  }
+  return tags;
+}
+
 const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys) {
   const auto found = std::ranges::find(surveys, fix.survey, &Survey::name);
   return found == surveys.end() ? surveys.front() : *found;

@@ -131,6 +131,9 @@ struct Fix {
   std::string doubt;               // why none of a drive's positions should be used; empty = none
 };
 
+// The tags that it names, each as SURVEY/TAG: surveys may have tags of one name.
+std::vector<std::string> unique_tags(const Fix& fix);
+
 // "ok" or "no_position".
 std::string status_of(const Fix& fix);
 

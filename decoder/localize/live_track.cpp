@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/core.h>
@@ -20,15 +21,19 @@ bool is_usable(const LiveTrack& track, double time, const MotionModel& motion) {
 
 // Of a track that begins with this fix.
 TrackTags tags_of(const Fix& fix) {
-  TrackTags tags{{fix.tags.begin(), fix.tags.end()}, {}};
-  if (fix.tags.size() > 1) tags.confirmed = tags.latest;
+  const std::vector<std::string> used = unique_tags(fix);
+  TrackTags tags{{used.begin(), used.end()}, {}};
+  if (used.size() > 1) tags.confirmed = tags.latest;
   return tags;
+}
+
+std::size_t survey_index_of(const Fix& fix, const std::vector<Survey>& surveys) {
+  return static_cast<std::size_t>(&survey_of(fix, surveys) - surveys.data());
 }
 
 LiveTrack track_from(const Fix& fix, const MeasuredPlace& measured, double time,
                      const std::vector<Survey>& surveys, const MotionModel& motion) {
-  const auto survey = std::ranges::find(surveys, fix.survey, &Survey::name);
-  return {static_cast<std::size_t>(survey - surveys.begin()),
+  return {survey_index_of(fix, surveys),
           time,
           updated(motion_from(measured.place, motion), measured).estimate,
           fix.attitude->pitch,
@@ -82,6 +87,18 @@ std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const Survey& sur
   return expected;
 }
 
+std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const std::vector<Survey>& surveys,
+                                       const RigCamera& camera) {
+  std::vector<ExpectedTag> expected;
+  for (const Survey& survey : surveys) {
+    const bool is_there = &survey == &surveys[prior.survey] ||
+                          outside_tunnel(survey.tunnel, prior.vehicle.position).empty();
+    if (!is_there) continue;
+    std::ranges::move(expected_tags(prior, survey, camera), std::back_inserter(expected));
+  }
+  return expected;
+}
+
 std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
                                   const std::vector<Survey>& surveys, const MotionModel& motion) {
   if (!is_usable(track, time, motion)) return std::nullopt;
@@ -103,9 +120,7 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
                  const std::vector<Survey>& surveys, const MotionModel& motion) {
   const auto measured = measured_by(fix);
   if (!measured) return fix;
-  const bool known =
-      track && is_usable(*track, time, motion) && surveys[track->survey].name == fix.survey;
-  if (!known) {
+  if (!track || !is_usable(*track, time, motion)) {
     if (track && time <= track->time) {
       fix.notes.push_back(
           fmt::format("time {} is not after the {} of the position before: its motion is not used, "
@@ -118,6 +133,7 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
   const MotionEstimate expected = predicted(track->estimate, time - track->time, motion);
   const MotionUpdate update = updated(expected, *measured);
   const bool alone = fix.tags.size() == 1;
+  const std::string lone_tag = alone ? unique_tags(fix).front() : std::string();
   if (!update.agrees && !alone) {
     fix.notes.emplace_back("not where the motion since the last fixes leads: a new track begins");
     track = track_from(fix, *measured, time, surveys, motion);
@@ -126,14 +142,15 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
   TrackTags tags = track->tags;
   const bool confirmed = update.agrees && take_in(tags, expected, update, fix);
   if (!update.agrees) {
-    if (!tags.confirmed.contains(fix.tags.front())) track->refused.insert(fix.tags.front());
+    if (!tags.confirmed.contains(lone_tag)) track->refused.insert(lone_tag);
     return refused(fix, contradiction(fix, expected, *measured));
   }
-  if (alone && !confirmed && track->refused.contains(fix.tags.front())) {
+  if (alone && !confirmed && track->refused.contains(lone_tag)) {
     return refused(fix, fmt::format("the only tag, {}, contradicted the motion before, and nothing "
                                     "has confirmed it since: misplaced, misprinted or moved?",
                                     fix.tags.front()));
   }
+  track->survey = survey_index_of(fix, surveys);
   track->tags = std::move(tags);
   track->time = time;
   track->estimate = update.estimate;

@@ -19,15 +19,18 @@ namespace tagsmith::detail {
 
 // Where the vehicle should be, before its images are read.
 struct PosePrior {
-  std::size_t survey = 0;     // index of the survey that has the tags there
+  std::size_t survey = 0;     // index of the survey in whose tunnel it is
   VehiclePose vehicle;        // world frame
   double position_sigma = 0;  // metres, worst direction
   double angle_sigma = 0;     // radians, likewise
 };
 
-// The tags that a camera should see from there, where they should be, to three standard deviations.
-// None when that is too uncertain to be of use.
+// The tags of a survey that a camera should see from there, where they should be, to three standard
+// deviations. None when that is too uncertain to be of use.
 std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const Survey& survey,
+                                       const RigCamera& camera);
+// The same of all surveys in whose tunnels that is.
+std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const std::vector<Survey>& surveys,
                                        const RigCamera& camera);
 
 // The motion on which the latest fixes agree.

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
@@ -80,14 +82,15 @@ bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdat
   constexpr double kSure = 13.28;          // chi-square of four that one in 100 exceeds
   const Eigen::Matrix3d spread = predicted.covariance.topLeftCorner<3, 3>();
   const bool sharp = worst_sigma(spread) <= kLargestSigma;
+  const std::vector<std::string> used = unique_tags(fix);
   const bool handed_over = std::ranges::any_of(tags.latest, [&](const std::string& tag) {
-    return std::ranges::find(fix.tags, tag) == fix.tags.end();
+    return std::ranges::find(used, tag) == used.end();
   });
   const bool checked = handed_over && sharp && update.distance2 <= kSure;
   if (checked) tags.confirmed.insert(tags.latest.begin(), tags.latest.end());
-  if (checked || fix.tags.size() > 1) tags.confirmed.insert(fix.tags.begin(), fix.tags.end());
-  tags.latest = {fix.tags.begin(), fix.tags.end()};
-  return checked || (fix.tags.size() == 1 && tags.confirmed.contains(fix.tags.front()));
+  if (checked || used.size() > 1) tags.confirmed.insert(used.begin(), used.end());
+  tags.latest = {used.begin(), used.end()};
+  return checked || (used.size() == 1 && tags.confirmed.contains(used.front()));
 }
 
 Fix confirmed_by_motion(Fix fix) {

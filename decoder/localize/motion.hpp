@@ -65,7 +65,7 @@ struct MotionUpdate {
 // A Kalman filter's step: the prediction with what was measured at its time.
 MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured);
 
-// The tags that a track uses.
+// The tags that a track uses, as unique_tags() names them.
 struct TrackTags {
   std::set<std::string> latest;     // of the latest fix
   std::set<std::string> confirmed;  // seen with another at once, or linked by motion to one

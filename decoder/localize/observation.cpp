@@ -161,7 +161,7 @@ Result<ReadOptions> read_options_for_image(const GrayView& image, const std::str
   }
   ReadOptions options = read_options_for(surveys);
   options.camera = camera.camera;
-  if (prior) options.expected = expected_tags(*prior, surveys[prior->survey], camera);
+  if (prior) options.expected = expected_tags(*prior, surveys, camera);
   return options;
 }
 

@@ -66,9 +66,8 @@ std::optional<TurnedHeadings> turned_headings(std::span<const Fix> fixes) {
   const Fix* before = nullptr;
   for (const Fix& fix : fixes) {
     if (!is_of_use(fix)) continue;
-    const bool goes_on = before != nullptr && before->survey == fix.survey;
-    if (goes_on && step_between(*before, fix).norm() < kShortestStep) continue;
-    if (goes_on) {
+    if (before != nullptr) {
+      if (step_between(*before, fix).norm() < kShortestStep) continue;
       if (const auto turned = twice_the_angle(*before, fix)) {
         sum += *turned;
         ++steps;

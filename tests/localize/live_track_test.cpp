@@ -122,6 +122,25 @@ TEST_CASE("a wrong plate is not confirmed by its own earlier fixes, however ofte
   }
 }
 
+TEST_CASE("a track goes on from survey to survey, in which tags of one name are different tags") {
+  std::vector<Survey> surveys = corridor();
+  surveys.push_back(surveys.front());
+  surveys.back().name = "beyond";
+  std::optional<LiveTrack> track;
+  const auto confirmations = [&](int step, const char* survey, const char* tag) {
+    Fix fix = fix_at(1 + 0.05 * step, {tag});
+    fix.survey = survey;
+    return follow_track(track, fix, 0.1 * step, surveys).confirmations;
+  };
+  for (int i = 0; i <= 10; ++i) CHECK(confirmations(i, "corridor", "a") == 0);
+  // The same tag, seen from the other survey's tunnel, confirms nothing; another one does.
+  CHECK(confirmations(11, "beyond", "corridor/a") == 0);
+  CHECK(track->survey == 1);
+  CHECK(track->used == 12);
+  CHECK(confirmations(12, "beyond", "a") == 1);
+  CHECK(confirmations(13, "corridor", "a") == 1);
+}
+
 TEST_CASE("a time that runs backwards begins a new track and is noted") {
   const std::vector<Survey> surveys = corridor();
   std::optional<LiveTrack> track = driven(surveys);
@@ -166,7 +185,13 @@ TEST_CASE("images are read where the tags are expected as they are without") {
   prior.vehicle.position += Eigen::Vector3d(0.004, -0.006, 0.002);
   prior.position_sigma = 0.005;
   prior.angle_sigma = 0.002;
+  // Tags of a survey in whose tunnel the vehicle is not are not expected.
+  std::vector<Survey> two{surveys[0], surveys[0]};
+  two[1].tunnel.height = ChainageProfile(0.1);
   for (const RigCamera& camera : rig->cameras) {
+    CHECK(expected_tags(prior, two, camera).size() == expected_tags(prior, two[0], camera).size());
+    CHECK(expected_tags(prior, std::vector<Survey>{surveys[0], surveys[0]}, camera).size() ==
+          2 * expected_tags(prior, surveys[0], camera).size());
     const SurveyView view = render_survey_view(surveys[0], camera, truth, {}, 5);
     CHECK(!expected_tags(prior, surveys[0], camera).empty());
     Observation with;
