@@ -30,7 +30,7 @@ std::vector<VerifiedFile> verify_files(const Survey& survey,
                                        const std::vector<std::filesystem::path>& paths,
                                        const py::object& also, std::optional<double> scan_dpi,
                                        int jobs) {
-  const VerifyOptions options{surveys_from(also), scan_dpi, jobs};
+  const VerifyOptions options{surveys_from("also", also), scan_dpi, jobs};
   const py::gil_scoped_release others_run;
   return verify(survey, paths, options);
 }

@@ -27,8 +27,10 @@ std::vector<SeenTag> tags_from(const Images& tags) {
   std::vector<SeenTag> seen;
   for (const auto& [camera, list] : tags) {
     for (const py::handle one : py::iter(list)) {
-      SeenTag tag{camera, py::cast<std::string>(one.attr("digits")),
-                  corners_from(one.attr("corners")), std::nullopt};
+      const py::object digits = one.attr("digits");
+      if (!py::isinstance<py::str>(digits)) refuse_type("digits", digits, "a str of twelve");
+      SeenTag tag{camera, py::cast<std::string>(digits), corners_from(one.attr("corners")),
+                  std::nullopt};
       const py::object covariance = py::getattr(one, "corner_covariance", py::none());
       if (!covariance.is_none()) tag.covariance = covariance_from(covariance);
       seen.push_back(std::move(tag));
@@ -112,7 +114,7 @@ void bind_localize(py::module_& module) {
                         "images: by camera, a uint8 array of the camera's size or a path. tags: by "
                         "camera, what was read before (Tag). ranges: metres by sensor.")
       .def(py::init([](const py::object& surveys, const Rig& rig, bool confirmed_only) {
-             return Localizer(surveys_from(surveys), rig, {confirmed_only});
+             return Localizer(surveys_from("surveys", surveys), rig, {confirmed_only});
            }),
            py::arg("surveys"), py::arg("rig"), py::kw_only(), py::arg("confirmed_only") = false)
       .def("locate", &locate, py::arg("images") = Images{}, py::kw_only(),

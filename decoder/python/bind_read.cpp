@@ -30,6 +30,9 @@ std::optional<CheckDigit> check_digit_from(const std::optional<std::string>& nam
 std::optional<CameraModel> camera_from(const py::object& camera) {
   if (camera.is_none()) return std::nullopt;
   if (py::isinstance<RigCamera>(camera)) return py::cast<RigCamera>(camera).model;
+  if (!py::isinstance<CameraModel>(camera)) {
+    refuse_type("camera", camera, "a CameraModel or a RigCamera, as of Rig.cameras");
+  }
   return py::cast<CameraModel>(camera);
 }
 
@@ -37,8 +40,8 @@ ReadResult read_picture(const py::object& image, const py::object& survey, const
                         const std::optional<std::string>& check_digit, const std::string& frameless,
                         std::optional<double> min_confidence, bool white_on_black) {
   const ReadOptions options{
-      surveys_from(survey),      camera_from(camera), check_digit_from(check_digit),
-      frameless_from(frameless), min_confidence,      white_on_black};
+      surveys_from("survey", survey), camera_from(camera), check_digit_from(check_digit),
+      frameless_from(frameless),      min_confidence,      white_on_black};
   const Picture picture = picture_from(image);
   const py::gil_scoped_release others_run;
   return read(picture.view, options);

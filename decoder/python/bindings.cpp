@@ -65,33 +65,58 @@ ImageView view_of(const py::array& array) {
           static_cast<int>(array.shape(0)), array.shape(0) > 1 ? array.strides(0) : array.shape(1)};
 }
 
+// Of a str, or of what has __fspath__.
+std::filesystem::path path_from(const py::handle& value) {
+  try {
+    return py::cast<std::filesystem::path>(value);
+  } catch (const py::cast_error&) {
+    throw py::value_error("no file can have the path " + std::string(py::repr(value)));
+  }
+}
+
 }  // namespace
+
+void refuse_type(const std::string& name, const py::handle& value, const std::string& expected) {
+  const std::string type = py::str(py::type::handle_of(value).attr("__name__"));
+  throw py::type_error(name + " is of type " + type + ", expected " + expected);
+}
 
 Picture picture_from(const py::handle& image) {
   if (py::isinstance<py::array>(image)) {
     return {view_of(py::reinterpret_borrow<py::array>(image)), std::nullopt};
   }
   if (!py::isinstance<py::str>(image) && !py::hasattr(image, "__fspath__")) {
-    throw py::type_error("expected a numpy array or a path as the image");
+    refuse_type("image", image, "a numpy array or a path");
   }
-  const auto path = py::cast<std::filesystem::path>(image);
+  const std::filesystem::path path = path_from(image);
   const py::gil_scoped_release others_run;
   Picture picture{{}, load_image(path)};
   picture.view = picture.loaded->view();
   return picture;
 }
 
-std::vector<Survey> surveys_from(const py::handle& surveys) {
+std::vector<Survey> surveys_from(const std::string& name, const py::handle& surveys) {
   if (surveys.is_none()) return {};
   if (py::isinstance<Survey>(surveys)) return {py::cast<Survey>(surveys)};
+  const std::string expected = "a Survey, as of Survey.load(path), or several";
+  const bool is_text = py::isinstance<py::str>(surveys) || py::isinstance<py::bytes>(surveys);
+  if (is_text || !py::isinstance<py::iterable>(surveys)) {
+    refuse_type(name, surveys, expected);
+  }
   std::vector<Survey> all;
-  for (const py::handle one : py::iter(surveys)) all.push_back(py::cast<Survey>(one));
+  for (const py::handle one : py::iter(surveys)) {
+    if (!py::isinstance<Survey>(one)) refuse_type("an element of " + name, one, expected);
+    all.push_back(py::cast<Survey>(one));
+  }
   return all;
 }
 
 PlateTemplate plate_from(const py::handle& plate) {
   if (plate.is_none()) return {};
   if (py::isinstance<Survey>(plate)) return py::cast<Survey>(plate).plate();
+  if (!py::isinstance<PlateTemplate>(plate)) {
+    refuse_type("plate", plate, "a PlateTemplate or a Survey");
+  }
   return py::cast<PlateTemplate>(plate);
 }
 

@@ -37,8 +37,12 @@ struct Picture {
 // the path of a picture. Raises TypeError or ValueError on anything else.
 Picture picture_from(const pybind11::handle& image);
 
-// One survey, a sequence of them, or None.
-std::vector<Survey> surveys_from(const pybind11::handle& surveys);
+// Raises TypeError, as "camera is of type Rig, expected a CameraModel".
+[[noreturn]] void refuse_type(const std::string& name, const pybind11::handle& value,
+                              const std::string& expected);
+
+// One survey, a sequence of them, or None, of the argument of this name.
+std::vector<Survey> surveys_from(const std::string& name, const pybind11::handle& surveys);
 
 // None, the plate of a survey, or a PlateTemplate.
 PlateTemplate plate_from(const pybind11::handle& plate);

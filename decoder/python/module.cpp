@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The module tagsmith._tagsmith; package/__init__.py shows its names as tagsmith.NAME.
+#include <cstddef>
 #include <exception>
 #include <utility>
 
@@ -31,6 +32,31 @@ void bind_error(py::module_& module) {
   });
 }
 
+// An object that no constructor or function of the module made, as of Tag.__new__(Tag), has no
+// value; pybind11 would use memory that nothing was written to in its place.
+void* refuse_missing_value(std::size_t) {
+  throw py::type_error("the object has no value: its class was not constructed");
+}
+
+// What all classes have in common. Values are immutable, so that a copy is the value itself; a
+// Localizer is none, it has the drive so far.
+void complete_classes(const py::module_& module) {
+  for (const auto& [name, type] : py::cast<py::dict>(module.attr("__dict__"))) {
+    if (!py::isinstance<py::type>(type)) continue;
+    py::detail::type_info* info =
+        py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr()));
+    if (info == nullptr) continue;  // Error
+    info->operator_new = refuse_missing_value;
+    if (type.is(module.attr("Localizer"))) continue;
+    py::setattr(type, "__copy__",
+                py::cpp_function([](const py::object& self) { return self; }, py::name("__copy__"),
+                                 py::is_method(type)));
+    py::setattr(type, "__deepcopy__",
+                py::cpp_function([](const py::object& self, const py::object&) { return self; },
+                                 py::name("__deepcopy__"), py::is_method(type)));
+  }
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_tagsmith, module) {
@@ -42,4 +68,5 @@ PYBIND11_MODULE(_tagsmith, module) {
   tagsmith::python::bind_localize(module);
   tagsmith::python::bind_plan(module);
   tagsmith::python::bind_files(module);
+  complete_classes(module);
 }

@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import subprocess
+import types
 
 import numpy as np
 import pytest
@@ -104,3 +105,11 @@ def test_what_nothing_measured_would_reveal_is_shown_in_words(survey, rig):
         words = repr(mistake)
         assert "Unchecked" in words and mistake.kind in words and mistake.name in words
         assert " at 0x" not in words
+
+
+def test_arguments_of_another_type_are_told_from_what_was_expected(survey, rig):
+    with pytest.raises(TypeError, match="surveys is of type str, expected a Survey"):
+        tagsmith.Localizer("surveys/corridor/survey.yaml", rig)
+    seen = types.SimpleNamespace(digits=19000000404, corners=np.zeros((4, 2)))
+    with pytest.raises(TypeError, match="digits is of type int, expected a str"):
+        tagsmith.Localizer(survey, rig).locate(tags={"left": [seen]})

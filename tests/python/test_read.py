@@ -125,3 +125,26 @@ def test_pixels_of_one_column_have_no_neighbours_to_stand_apart_from():
     column = np.zeros((60, 4), np.uint8)[:, ::2][:, :1]
     assert column.strides[1] != 1
     assert tagsmith.read(column).tags == []
+
+
+@pytest.mark.parametrize("option, words", [
+    ({"survey": "surveys/corridor/survey.yaml"}, "survey is of type str, expected a Survey"),
+    ({"survey": ["surveys/corridor/survey.yaml"]}, "an element of survey is of type str"),
+    ({"survey": 5}, "survey is of type int, expected a Survey"),
+    ({"camera": "left"}, "camera is of type str, expected a CameraModel"),
+])
+def test_options_of_another_type_are_told_from_what_was_expected(photo, option, words):
+    with pytest.raises(TypeError, match=words):
+        tagsmith.read(photo, **option)
+
+
+def test_a_rig_is_no_camera_and_a_name_no_plate(photo, rig):
+    with pytest.raises(TypeError, match="camera is of type Rig, expected a CameraModel"):
+        tagsmith.read(photo, camera=rig)
+    with pytest.raises(TypeError, match="plate is of type str, expected a PlateTemplate"):
+        tagsmith.draw_tag("036000291452", "tag-400x300")
+
+
+def test_a_path_that_no_file_can_have_is_refused():
+    with pytest.raises(ValueError, match="no file can have the path"):
+        tagsmith.read("photo\0.jpg")

@@ -2,7 +2,9 @@
 """Surveys, rigs, files, plans, and how values show themselves."""
 
 import ast
+import copy
 import pathlib
+import pickle
 
 import numpy as np
 import pytest
@@ -97,3 +99,37 @@ def test_the_stub_says_what_the_module_has():
 def test_all_that_is_public_is_documented():
     for name in tagsmith.__all__:
         assert getattr(tagsmith, name).__doc__, name
+
+
+def values(survey, rig, photo):
+    result = tagsmith.read(photo, survey=survey)
+    return [survey, survey.plate, survey.tags[0], rig, rig.cameras[0], result, result.tags[0],
+            tagsmith.draw_tag("036000291452")]
+
+
+def test_a_copy_of_a_value_is_the_value(survey, rig, photo):
+    for value in values(survey, rig, photo):
+        assert copy.copy(value) is value and copy.deepcopy(value) is value
+        assert copy.deepcopy({"kept": [value]})["kept"][0] is value
+
+
+def test_what_cannot_be_sent_to_other_processes_says_so(survey, rig, photo):
+    for value in [*values(survey, rig, photo), tagsmith.Localizer(survey, rig)]:
+        with pytest.raises(TypeError, match="cannot pickle .*" + type(value).__name__):
+            pickle.dumps(value)
+    with pytest.raises(TypeError, match="Localizer"):
+        copy.copy(tagsmith.Localizer(survey, rig))
+
+
+def test_objects_that_were_not_constructed_are_refused(photo):
+    classes = [kind for kind in vars(tagsmith).values()
+               if isinstance(kind, type) and kind is not tagsmith.Error]
+    assert len(classes) > 20
+    for kind in classes:
+        attributes = [name for name, value in vars(kind).items() if isinstance(value, property)]
+        for name in attributes or ["reset"]:
+            with pytest.raises(TypeError, match="not constructed"):
+                value = getattr(kind.__new__(kind), name)
+                value()
+    with pytest.raises(TypeError, match="not constructed"):
+        tagsmith.read(photo, survey=tagsmith.Survey.__new__(tagsmith.Survey))
