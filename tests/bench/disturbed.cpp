@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -141,8 +140,12 @@ void print_row(const bench::Disturbance& disturbance, const std::vector<Outcome>
 std::optional<std::vector<Photo>> load(const std::vector<fs::path>& folders) {
   std::vector<Photo> photos;
   for (const fs::path& folder : folders) {
-    const auto truth = json::parse(std::ifstream(folder / "truth.json"));
-    for (const json& item : truth.at("images")) {
+    const Result<json> truth = bench::read_truth(folder);
+    if (!truth) {
+      fmt::print(stderr, "{}\n", truth.error().message);
+      return std::nullopt;
+    }
+    for (const json& item : truth->at("images")) {
       const std::string file = item.at("file").get<std::string>();
       Result<GrayImage> image = load_gray_image(folder / file);
       if (!image) {

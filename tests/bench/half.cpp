@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <random>
 #include <string>
@@ -152,13 +151,17 @@ GrayImage with_post(const GrayView& image, const FrameCorners& corners, const be
 
 // Reads a folder's photos as they are and cropped.
 bool read_folder(const fs::path& folder, bool verbose) {
-  const auto truth = json::parse(std::ifstream(folder / "truth.json"));
+  const Result<json> truth = bench::read_truth(folder);
+  if (!truth) {
+    fmt::print(stderr, "{}\n", truth.error().message);
+    return false;
+  }
   ReadOptions options;
-  options.code_book = bench::codes_of(truth);
-  options.check = parse_check_digit(truth.at("check").get<std::string>());
+  options.code_book = bench::codes_of(*truth);
+  options.check = parse_check_digit(truth->at("check").get<std::string>());
   Table whole, as_they_are, cut, posts;
   std::mt19937_64 random(1);
-  for (const auto& item : truth.at("images")) {
+  for (const auto& item : truth->at("images")) {
     const std::string file = item.at("file").get<std::string>();
     const Result<GrayImage> image = load_gray_image(folder / file);
     if (!image) {

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <set>
@@ -249,10 +248,11 @@ Photo read_photo(const std::string& file, const GrayView& image, const ReadOptio
 }
 
 Result<Outcome> read_folder(const fs::path& folder, const Given& given, bool verbose) {
-  const auto truth = json::parse(std::ifstream(folder / "truth.json"));
-  const ReadOptions options = options_for(truth, given);
+  const Result<json> truth = bench::read_truth(folder);
+  if (!truth) return tl::unexpected(truth.error());
+  const ReadOptions options = options_for(*truth, given);
   Outcome outcome;
-  for (const auto& item : truth.at("images")) {
+  for (const auto& item : truth->at("images")) {
     const std::string file = item.at("file").get<std::string>();
     Result<GrayImage> image = load_gray_image(folder / file);
     if (!image) return tl::unexpected(image.error());

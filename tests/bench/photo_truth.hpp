@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/feature_frame/frame.hpp"
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail::bench {
@@ -23,6 +26,16 @@ inline FrameCorners corners_of(const nlohmann::json& plate) {
     corners[next++] = {at[0].get<double>(), at[1].get<double>()};
   }
   return corners;
+}
+
+// What a folder's truth.json says. Fails on folders without it, and where it lists no images.
+inline Result<nlohmann::json> read_truth(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "truth.json";
+  std::ifstream stream(file);
+  if (!stream) return fail(file.string() + ": cannot be read, expected a folder of photos with it");
+  nlohmann::json truth = nlohmann::json::parse(stream, nullptr, false);
+  if (truth.is_object() && truth.contains("images")) return truth;
+  return fail(file.string() + ": lists no images, expected what bench_raytraced writes");
 }
 
 // The codes of all its plates, in order.
