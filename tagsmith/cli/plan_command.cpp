@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +31,6 @@
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/render/sheet_files.hpp"
-#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/edit_yaml.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
@@ -440,9 +438,9 @@ Result<int> plan(const PlanCommandOptions& options) {
   if (auto kept = check_claim(*drive_plan, *subject, options); !kept) {
     return fail(kept.error().message);
   }
-  print_assumptions(kName, assumptions(std::span(&subject->survey, 1), subject->rig));
   const PlanSummary summary = summarize(*drive_plan);
   const PlannedDrive drive{subject->survey, subject->rig, *drive_plan, summary};
+  print_assumptions(kName, plan_assumptions(drive));
   if (auto written = write_files(drive, *subject, options); !written) {
     return fail(written.error().message);
   }

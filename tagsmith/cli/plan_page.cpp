@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,7 +12,6 @@
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
-#include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -335,7 +333,7 @@ std::string plan_page(const PlannedDrive& drive) {
   const std::string name = markup_text(drive.survey.name);
   std::string page = page_head("Plan of " + name, kStyle, true) + "<h1>Plan of the drive " + name +
                      "</h1>\n<p class=\"sub\">" + markup_text(plan_heading(drive)) + "</p>\n";
-  for (const std::string& assumed : assumptions(std::span(&drive.survey, 1), drive.rig)) {
+  for (const std::string& assumed : plan_assumptions(drive)) {
     page += "<p class=\"sub\">" + markup_text(assumed) + "</p>\n";
   }
   page +=

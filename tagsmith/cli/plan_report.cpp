@@ -192,6 +192,10 @@ std::string plan_heading(const PlannedDrive& drive) {
   return text + "), " + at_speed;
 }
 
+std::vector<std::string> plan_assumptions(const PlannedDrive& drive) {
+  return assumptions(std::span(&drive.survey, 1), drive.rig, drive.plan.options.speed);
+}
+
 std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive) {
   const PlanSummary& summary = drive.summary;
   std::vector<PlanAnswer> answers;
@@ -361,7 +365,7 @@ std::string plan_json(const PlannedDrive& drive) {
                       {"roll_deg", degrees(envelope.roll)},
                       {"pitch_deg", degrees(envelope.pitch)}};
   json["speed"] = plan.speed;
-  json["assumed"] = assumptions(std::span(&drive.survey, 1), drive.rig);
+  json["assumed"] = plan_assumptions(drive);
   json["coverage"] = {{"seen", json_of(summary.seen)},
                       {"read_without_code_book", json_of(summary.read_plain)},
                       {"read", json_of(summary.read)}};

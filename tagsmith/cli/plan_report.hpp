@@ -32,6 +32,9 @@ std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive);
 // What was planned: drive, envelope, speed, number of poses.
 std::string plan_heading(const PlannedDrive& drive);
 
+// What survey and rig do not state and the plan assumes, in sentences.
+std::vector<std::string> plan_assumptions(const PlannedDrive& drive);
+
 // Several lines, ended by a line feed.
 std::string plan_report(const PlannedDrive& drive);
 

@@ -46,17 +46,18 @@ std::optional<std::string> assumed_sigma(const Survey& survey) {
 }
 
 // Shutters of which nothing is said are assumed to be global: of cameras that drive, or may drive,
-// as no envelope says. Cameras whose place is known exactly took no real pictures.
-std::optional<std::string> assumed_shutter(const Rig& rig) {
-  if (!rig.envelope && has_rolling_shutter(rig)) {
+// as nobody says. Cameras whose place is known exactly took no real pictures.
+std::optional<std::string> assumed_shutter(const Rig& rig, std::optional<double> speed) {
+  if (!speed && rig.envelope) speed = rig.envelope->speed;
+  if (!speed && has_rolling_shutter(rig)) {
     return fmt::format(
         "rig {} has a readout and states no speed (vehicle.envelope): {} m/s assumed", rig.name,
         format_number(kUsualSpeed));
   }
-  if (rig.envelope && rig.envelope->speed == 0) return std::nullopt;
+  if (speed == 0) return std::nullopt;
   std::vector<std::string> names;
   for (const RigCamera& camera : rig.cameras) {
-    const bool drives = rig.envelope || camera.calibration_sigma.position > 0;
+    const bool drives = speed || camera.calibration_sigma.position > 0;
     if (drives && !camera.readout) names.push_back(camera.name);
   }
   if (names.empty()) return std::nullopt;
@@ -65,7 +66,7 @@ std::optional<std::string> assumed_shutter(const Rig& rig) {
 }
 
 // Cameras with the same assumption share a sentence.
-std::vector<std::string> assumed_calibration(const Rig& rig) {
+std::vector<std::string> assumed_calibration(const Rig& rig, std::optional<double> speed) {
   std::vector<std::pair<std::string, std::vector<std::string>>> cameras;
   for (const RigCamera& camera : rig.cameras) {
     if (camera.assumed_sigma.empty()) continue;
@@ -79,11 +80,12 @@ std::vector<std::string> assumed_calibration(const Rig& rig) {
     sentences.push_back(fmt::format("rig {} states no sigma of camera {}: {} assumed", rig.name,
                                     fmt::join(names, ", "), assumed));
   }
-  if (auto shutter = assumed_shutter(rig)) sentences.push_back(std::move(*shutter));
+  if (auto shutter = assumed_shutter(rig, speed)) sentences.push_back(std::move(*shutter));
   return sentences;
 }
 
-std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig& rig) {
+std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig& rig,
+                                     std::optional<double> speed) {
   std::vector<std::string> all;
   for (const Survey& survey : surveys) {
     if (auto sigma = assumed_sigma(survey)) all.push_back(std::move(*sigma));
@@ -91,7 +93,7 @@ std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig&
     all.push_back(fmt::format("survey {} states no angle_sigma: {} degrees assumed", survey.name,
                               format_number(degrees(survey.angle_sigma))));
   }
-  std::ranges::move(assumed_calibration(rig), std::back_inserter(all));
+  std::ranges::move(assumed_calibration(rig, speed), std::back_inserter(all));
   return all;
 }
 

@@ -31,9 +31,11 @@ bool states_every_sigma(const Survey& survey);
 // What was assumed, in words ("survey corridor states no sigma: 3 mm assumed"); nothing where the
 // file states it.
 std::optional<std::string> assumed_sigma(const Survey& survey);
-std::vector<std::string> assumed_calibration(const Rig& rig);
+std::vector<std::string> assumed_calibration(const Rig& rig, std::optional<double> speed = {});
 
-// All assumptions, those on plates' attitudes included.
-std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig& rig);
+// All assumptions, those on plates' attitudes included. `speed` is the vehicle's where it is stated
+// elsewhere than in the rig, metres a second.
+std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig& rig,
+                                     std::optional<double> speed = {});
 
 }  // namespace tagsmith::detail

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/contents.hpp"
 #include "tests/support/json.hpp"
@@ -57,6 +58,23 @@ TEST_CASE("more jobs than the machine has cores change nothing and are not worth
   const ProgramOutput many = run_tagsmith(plan + " --jobs 1000");
   CHECK(many.err == "");
   CHECK(many.out == run_tagsmith(plan).out);
+}
+
+TEST_CASE("plan assumes no speed where one is stated") {
+  const TemporaryFolder folder;
+  std::string rig = *read_file("surveys/corridor/rig.yaml");
+  const std::size_t at = rig.find("alpha: 35,");
+  REQUIRE(at != std::string::npos);
+  rig.insert(at, "readout: 0.02, ");
+  const std::filesystem::path path = folder.path() / "rig.yaml";
+  REQUIRE(write_file(path, rig));
+  const std::string drive = "plan surveys/corridor/survey.yaml --rig " + path.string() +
+                            " --to 1 --step 0.5 --offsets 1 --headings 1 --json";
+  const ProgramOutput usual = run_tagsmith(drive);
+  CHECK(usual.err.find("2 m/s assumed") != std::string::npos);
+  CHECK(usual.out.find("2 m/s assumed") != std::string::npos);
+  const ProgramOutput stated = run_tagsmith(drive + " --speed 0");
+  CHECK((stated.err + stated.out).find("m/s assumed") == std::string::npos);
 }
 
 TEST_CASE("plan --json is one object with the documented fields") {

@@ -118,6 +118,7 @@ TEST_CASE("a rolling shutter counts by the vehicle's speed, or by a usual one") 
         std::vector<std::string>{"rig trial has a readout and states no speed (vehicle.envelope): "
                                  "2 m/s assumed"});
   CHECK(usual_speed(*usual.value) == 2);
+  for (const double speed : {0.0, 0.5}) CHECK(assumptions({}, *usual.value, speed).empty());
   const auto stated = read_text_as_rig(text + ", envelope: { lateral: 0.3, yaw: 5, speed: 1 } }\n");
   REQUIRE(stated.value);
   CHECK(stated.value->cameras[0].calibration_sigma.shutter == doctest::Approx(0.02));
@@ -140,6 +141,12 @@ TEST_CASE("a camera without a readout is assumed to have a global shutter, unles
   CHECK(sentences(known, ", envelope: { lateral: 0.3, yaw: 5, speed: 1 }") == assumed);
   CHECK(sentences(known, ", envelope: { lateral: 0.3, yaw: 5, speed: 0 }").empty());
   CHECK(sentences("0", "").empty());  // pictures that were computed
+  const auto reading = read_text_as_rig(
+      camera + known +
+      " }\nvehicle: { height: 1.1, envelope: { lateral: 0.3, yaw: 5, speed: 1 } }\n");
+  REQUIRE(reading.value);
+  CHECK(assumptions({}, *reading.value, 0).empty());
+  CHECK(assumptions({}, *reading.value, 2) == assumed);
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {
