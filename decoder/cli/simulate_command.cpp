@@ -42,6 +42,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSimulate = "simulate";
 constexpr const char* kTruth = "truth.json";
 constexpr const char* kRun = "run.csv";
+constexpr int kUsualQuality = 95;
 
 struct SimulateOptions {
   fs::path survey;
@@ -54,7 +55,7 @@ struct SimulateOptions {
   std::uint64_t seed = 0;
   int jobs = 0;  // 0 = as many as the process may use
   std::string format = "png";
-  int quality = 95;
+  int quality = 0;  // of JPEG files; 0 = kUsualQuality
   std::string chain = "none";
   double rolling_px = 0;
   bool force = false;
@@ -342,7 +343,10 @@ ViewOptions view_options(const SimulateOptions& options, std::uint64_t shot) {
 Result<std::string> encoded(const SimulateOptions& options, const std::string& file,
                             const GrayImage& image) {
   const auto chain = chain_of(options);
-  if (!chain) return encode_gray_image(file, image.view(), options.quality);
+  if (!chain) {
+    const int quality = options.quality > 0 ? options.quality : kUsualQuality;
+    return encode_gray_image(file, image.view(), quality);
+  }
   if (options.format == "jpg") return encode_gray_image(file, image.view(), chain->jpeg_quality);
   const Result<GrayImage> stored = compressed(image.view(), chain->jpeg_quality);
   if (!stored) return tl::unexpected(stored.error());
@@ -404,6 +408,11 @@ Result<void> check_chain(const SimulateOptions& options) {
   if (options.chain == "none" && options.rolling_px != 0) {
     return fail("--rolling-shutter needs --camera-chain mild, strong or night");
   }
+  if (options.quality == 0) return {};
+  if (options.chain != "none") {
+    return fail("--quality and --camera-chain exclude each other: a chain has its own compression");
+  }
+  if (options.format != "jpg") return fail("--quality is for JPEG files: give --format jpg, too");
   return {};
 }
 
@@ -462,8 +471,8 @@ std::vector<CommandOption> camera_options(SimulateOptions& options) {
           with_default(number_option("--seed", &options.seed, "N", 0, 1e15,
                                      "Of the noise and of the walls' texture")),
           with_default(choice_option("--format", &options.format, {"png", "jpg"}, "Image format")),
-          with_default(
-              number_option("--quality", &options.quality, "N", 1, 100, "JPEG quality, 1 to 100"))};
+          number_option("--quality", &options.quality, "N", 1, 100,
+                        "JPEG quality, 1 to 100 (default: 95)")};
 }
 
 }  // namespace

@@ -426,6 +426,19 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
   return publish_files(files);
 }
 
+// Poses before and beyond the center line are planned as any others.
+void warn_of_outside(const PlannedDrive& drive) {
+  constexpr double kRounding = 1e-6;
+  const double length = drive.survey.tunnel.centerline.length();
+  const double from = drive.plan.columns.front().chainage;
+  const double to = drive.plan.columns.back().chainage;
+  if (from >= -kRounding && to <= length + kRounding) return;
+  to_stderr(
+      "tagsmith plan: warning: the drive goes from chainage 0 to {} m, the plan from {} to {} m: "
+      "poses outside the drive count in all shares\n",
+      format_number(length, 3), format_number(from, 3), format_number(to, 3));
+}
+
 Result<int> plan(const PlanCommandOptions& options) {
   const Result<Subject> subject = load(options);
   if (!subject) return fail(subject.error().message);
@@ -441,6 +454,7 @@ Result<int> plan(const PlanCommandOptions& options) {
   const PlanSummary summary = summarize(*drive_plan);
   const PlannedDrive drive{subject->survey, subject->rig, *drive_plan, summary};
   print_assumptions(kName, plan_assumptions(drive));
+  warn_of_outside(drive);
   if (auto written = write_files(drive, *subject, options); !written) {
     return fail(written.error().message);
   }

@@ -380,22 +380,29 @@ std::vector<CommandOption> printer_options(PrintOptions& options) {
 }
 
 std::vector<CommandOption> installer_options(PrintOptions& options) {
-  return {flag("--no-setting-out", &options.no_setting_out,
-               "Without the installer's setting-out.csv and setting-out.pdf"),
-          flag("--order", &options.style.order,
-               "With order.pdf for the sign maker (counts, sizes, material), and the contours of "
-               "each page as DXF"),
-          file_option("--zip", &options.zip, "All of it, the order too, in this ZIP as well"),
+  return {
+      flag("--no-setting-out", &options.no_setting_out,
+           "Without the installer's setting-out.csv and setting-out.pdf"),
+      flag("--order", &options.style.order,
+           "With order.pdf for the sign maker (counts, sizes, material), and the contours of "
+           "each page as DXF"),
+      file_option("--zip", &options.zip, "All of it, the order too, in this ZIP as well"),
+      excluding(
+          {"--no-setting-out"},
           choice_option("--setting-out-paper", &options.setting_out_paper, drawing_papers(),
                         "Of setting-out.pdf: its drawing on this paper, its table on Letter or "
-                        "else A4 (default: a3)"),
+                        "else A4 (default: a3)")),
+      excluding(
+          {"--no-setting-out"},
           length_option("--tolerance", options.style.tolerance,
                         "How far P may hang from its place, mm, for the setting-out list (default: "
                         "twice the survey's sigma, at least 5)",
-                        0.1, 1000),
+                        0.1, 1000)),
+      excluding(
+          {"--no-setting-out"},
           choice_option(
               "--point-order", &options.point_order, {"PENZD", "PNEZD"},
-              "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)")};
+              "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)"))};
 }
 
 }  // namespace

@@ -60,6 +60,15 @@ TEST_CASE("more jobs than the machine has cores change nothing and are not worth
   CHECK(many.out == run_tagsmith(plan).out);
 }
 
+TEST_CASE("plan tells chainages where no drive is") {
+  const std::string drive = kCorridor + " --step 0.5 --offsets 1 --headings 1";
+  const std::string words = "the drive goes from chainage 0 to 10 m";
+  CHECK(run_tagsmith(drive + " --to 10").err.find(words) == std::string::npos);
+  CHECK(run_tagsmith(drive + " --to 12").err.find(words + ", the plan from 0 to 12 m") !=
+        std::string::npos);
+  CHECK(run_tagsmith(drive + " --from -1 --to 5").err.find(words) != std::string::npos);
+}
+
 TEST_CASE("plan assumes no speed where one is stated") {
   const TemporaryFolder folder;
   std::string rig = *read_file("surveys/corridor/rig.yaml");

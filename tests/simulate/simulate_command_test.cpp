@@ -205,7 +205,8 @@ TEST_CASE("Wrong use and unreadable input") {
   const Desk desk;
   for (const std::string option :
        {"--blur -1", "--blur nan", "--blur 1e9", "--noise x", "--jobs -3", "--format gif",
-        "--format jpg --quality 0", "--seed -1", "--nothing"}) {
+        "--quality 80", "--format jpg --quality 80 --camera-chain mild", "--format jpg --quality 0",
+        "--seed -1", "--nothing"}) {
     CAPTURE(option);
     const ProgramOutput output = desk.simulate(option);
     CHECK(output.exit_code == 2);
