@@ -79,16 +79,6 @@ std::string due_in_words(const PlateState& plate) {
                      due.not_after ? "to " + to_text(*due.not_after) : "or later");
 }
 
-// Quoted so that a shell takes it as one word.
-std::string shell_word(const std::string& text) {
-  constexpr std::string_view kPlain =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,-";
-  if (text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
-
 // The command that prints the plates which are to be reprinted; empty when there are none.
 std::string print_command_for(const Survey& survey, const LedgerReport& report) {
   const std::vector<std::string> tags = plates_to(PlateAction::reprint, survey, report);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <istream>
 #include <system_error>
 #include <unistd.h>
@@ -93,6 +94,11 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t max_bytes) {
   return bytes;
 }
 
+fs::path temporary_beside(const fs::path& file) {
+  const std::size_t own = std::hash<std::string>{}(file.filename().string());
+  return file.parent_path() / (".tmp" + std::to_string(::getpid()) + "-" + std::to_string(own));
+}
+
 Result<void> write_file(const fs::path& path, std::string_view bytes) {
   std::error_code error;
   const fs::path target = behind_links(path);
@@ -104,8 +110,7 @@ Result<void> write_file(const fs::path& path, std::string_view bytes) {
   }
   if (fs::is_symlink(target, error))
     return fail(path.string() + ": is a link that leads to itself");
-  fs::path temporary = target;
-  temporary += ".tmp" + std::to_string(::getpid());
+  const fs::path temporary = temporary_beside(target);
   std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   stream.close();

@@ -21,6 +21,10 @@ namespace tagsmith::detail {
 Result<std::string> read_file(const std::filesystem::path& path,
                               std::uintmax_t max_bytes = 64U << 20U);
 
+// A name beside the file for what takes its place when it is whole; short, however long the file's
+// own is.
+std::filesystem::path temporary_beside(const std::filesystem::path& file);
+
 // Writes beside the target, then renames: a reader sees the old file or the whole new one. Missing
 // folders are made. A link stays, its target is replaced; a stream (is_stream) is written to.
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);

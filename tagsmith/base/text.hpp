@@ -24,6 +24,9 @@ std::string upper_case(std::string_view text);
 // The text in single quotes, those within doubled, as YAML and SQL have them.
 std::string single_quoted(std::string_view text);
 
+// The text as a shell takes it for one word: in quotes where it is not plain.
+std::string shell_word(std::string_view text);
+
 // The words between blanks, tabs and line ends.
 std::vector<std::string> split_words(std::string_view text);
 

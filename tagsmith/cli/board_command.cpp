@@ -65,7 +65,10 @@ Result<Board> board_of(const BoardOptions& options, const PrintPaper& sheet) {
   request.dots_per_inch = options.dots_per_inch;
   constexpr std::size_t kLongestName = 100;
   if (!is_plain_name(request.name) || request.name.size() > kLongestName) {
-    return fail("--name " + request.name +
+    const std::string found = options.name.empty()
+                                  ? "--output " + options.output + ": gives the board its name"
+                                  : "--name " + request.name;
+    return fail(found +
                 ": expected at most 100 bytes that begin with a letter or digit, without / \\ , : "
                 "or \"");
   }

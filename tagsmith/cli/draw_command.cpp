@@ -83,7 +83,7 @@ Result<int> draw(const DrawOptions& options) {
     to_stderr(
         "tagsmith draw: {} tags are drawn but not listed; for a list: tagsmith export {} -o "
         "tags.csv\n",
-        survey.tags.size(), survey.file.string());
+        survey.tags.size(), shell_word(survey.file.string()));
   }
   return kExitOk;
 }

@@ -67,11 +67,16 @@ std::string survey_name(const NewOptions& options) {
 
 Result<void> check_name(const NewOptions& options) {
   const std::string name = survey_name(options);
+  constexpr std::size_t kLongest = 100;
+  if (name.size() > kLongest) {
+    return fail(
+        fmt::format("NAME {}: has {} bytes, expected at most {}", name, name.size(), kLongest));
+  }
   const bool usable = !name.empty() && is_plain_text(name) &&
                       name.find_first_of("\\,:\"'#{}[]&*!|>%@`") == std::string::npos &&
                       name.front() != '.' && name.front() != '-' && name.front() != '?' &&
                       name.find_first_not_of("0123456789.+-eE") != std::string::npos &&
-                      name != "true" && name != "false" && name != "null" && name.size() <= 100;
+                      name != "true" && name != "false" && name != "null";
   if (!usable) {
     return fail("NAME " + options.name +
                 ": expected a folder to make, whose name has letters and no , : \" or the like");
@@ -112,8 +117,9 @@ Result<void> write_to_edit(const NewOptions& options) {
   }
   const fs::path folder = options.name;
   to_stdout("{}\n{}\n", (folder / "survey.yaml").string(), (folder / "rig.yaml").string());
-  to_stderr("edit them, then: tagsmith validate {} --rig {}\n", (folder / "survey.yaml").string(),
-            (folder / "rig.yaml").string());
+  to_stderr("edit them, then: tagsmith validate {} --rig {}\n",
+            shell_word((folder / "survey.yaml").string()),
+            shell_word((folder / "rig.yaml").string()));
   return {};
 }
 
@@ -463,8 +469,9 @@ Result<int> report_draft(const NewOptions& options, const std::string& name,
   const auto errors = static_cast<std::size_t>(
       std::ranges::count(reading->diagnostics, Severity::error, &Diagnostic::severity));
   const std::size_t warnings = reading->diagnostics.size() - errors;
-  to_stderr("{} written: {}, {}; look at it: tagsmith draw {} -o {}.pdf\n", file,
-            counted(errors, "error"), counted(warnings, "warning"), file, survey_name(options));
+  to_stderr("{} written: {}, {}; look at it: tagsmith draw {} -o {}\n", file,
+            counted(errors, "error"), counted(warnings, "warning"), shell_word(file),
+            shell_word(survey_name(options) + ".pdf"));
   return errors > 0 ? kExitFindings : kExitOk;
 }
 

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 
 #include <CLI/CLI.hpp>
@@ -134,6 +136,13 @@ void add_options(CLI::App& app, const Command& command) {
   }
 }
 
+// What no option took. CLI11 keeps there, too, the `--` behind which all words are arguments.
+std::vector<std::string> unknown_words(const CLI::App& app) {
+  std::vector<std::string> words = app.remaining();
+  std::erase(words, "--");
+  return words;
+}
+
 // The option that was probably meant by an unknown word.
 std::string problem_of_unknown(const Command& command, const std::string& word) {
   if (!word.starts_with('-')) return fmt::format("found `{}`, which no argument takes", word);
@@ -141,6 +150,10 @@ std::string problem_of_unknown(const Command& command, const std::string& word) 
   for (const CommandOption& option : command.options) {
     if (option.is_positional()) continue;
     for (std::string& name : option.all_names()) names.push_back(std::move(name));
+  }
+  std::error_code ignored;
+  if (std::filesystem::exists(word, ignored)) {
+    return fmt::format("no option `{0}`; the file of that name is `./{0}`", word);
   }
   const auto near = nearest_word(word.substr(0, word.find('=')), names);
   return fmt::format("no option `{}`{}", word, near ? ", did you mean `" + *near + "`?" : "");
@@ -160,10 +173,10 @@ Result<Asked> parse_command(const Command& command, const std::vector<std::strin
     const std::string_view words = error.what();
     return fail(fmt::format("{} needs a value", words.substr(0, words.find(':'))));
   } catch (const CLI::ParseError& error) {
-    const std::vector<std::string> unknown = app.remaining();
+    const std::vector<std::string> unknown = unknown_words(app);
     return fail(unknown.empty() ? error.what() : problem_of_unknown(command, unknown.front()));
   }
-  const std::vector<std::string> unknown = app.remaining();
+  const std::vector<std::string> unknown = unknown_words(app);
   if (!unknown.empty()) return fail(problem_of_unknown(command, unknown.front()));
   return Asked::run;
 }

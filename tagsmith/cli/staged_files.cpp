@@ -5,6 +5,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <climits>
 #include <cstdint>
 #include <fcntl.h>
 #include <limits>
@@ -140,8 +141,7 @@ std::vector<fs::path> files_in(const fs::path& folder, std::error_code& error) {
 Result<fs::path> within_reach(const fs::path& target, const fs::path& file) {
   if (target.parent_path() == file.parent_path().parent_path()) return file;
   std::error_code error;
-  fs::path copy = target;
-  copy += ".tmp" + std::to_string(::getpid());
+  const fs::path copy = temporary_beside(target);
   fs::copy_file(file, copy, fs::copy_options::overwrite_existing, error);
   if (!error) return copy;
   std::error_code ignored;
@@ -159,8 +159,7 @@ Result<Move> move_to(const fs::path& target, const fs::path& staged) {
   const Result<fs::path> file = within_reach(target, staged);
   if (!file) return fail(file.error().message);
   if (fs::exists(fs::symlink_status(target, ignored))) {
-    move.replaced = *file;
-    move.replaced += ".replaced";
+    move.replaced = temporary_beside(*file);
     fs::rename(target, move.replaced, error);
     if (error) move.replaced.clear();
   }
@@ -286,6 +285,10 @@ StagedFiles::~StagedFiles() {
 }
 
 Result<void> StagedFiles::add(const fs::path& name, std::string_view bytes) const {
+  if (const std::size_t length = name.string().size(); length > NAME_MAX) {
+    return fail((folder_ / name).string() + ": the name has " + std::to_string(length) +
+                " bytes, expected at most " + std::to_string(NAME_MAX));
+  }
   if (!made_->is_interrupted && write_file(made_->staging / name, bytes)) return {};
   return fail((folder_ / name).string() + ": cannot be written, is the disk full?");
 }

@@ -53,6 +53,12 @@ TEST_CASE("letters change their case, words come apart, quotes are doubled withi
   CHECK(single_quoted("a 'b' c") == "'a ''b'' c'");
 }
 
+TEST_CASE("a shell takes a quoted word for one") {
+  CHECK(shell_word("drift-7/survey.yaml") == "drift-7/survey.yaml");
+  CHECK(shell_word("drift 7") == "'drift 7'");
+  CHECK(shell_word("it's") == "'it'\\''s'");
+}
+
 TEST_CASE("one thing is counted without an s") {
   CHECK(counted(0, "file") == "0 files");
   CHECK(counted(1, "position tag") == "1 position tag");

@@ -127,7 +127,8 @@ TEST_CASE("boards that cannot be are refused with what can, and nothing is writt
         Row{"b.pdf", "--plate 300x200 --paper A4", "excludes"},
         Row{"b.pdf", "--columns 12", "at most 6 columns"}, Row{"b.pdf", "--columns 0", "1 to 1000"},
         Row{"b.pdf", "--serial 1000", "0 to 999"}, Row{"b.pdf", "--dpi 10", "50 to 10000"},
-        Row{"b.pdf", "--name a/b", "--name a/b"}, Row{"-b.pdf", "", "--name -b"}}) {
+        Row{"b.pdf", "--name a/b", "--name a/b"},
+        Row{"-b.pdf", "", "/-b.pdf: gives the board its name"}}) {
     CAPTURE(row.options);
     const ProgramOutput output = run_board(folder.path() / row.output, row.options);
     CHECK(output.exit_code == 2);

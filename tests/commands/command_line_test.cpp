@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/cli/commands.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_help.hpp"
 #include "tagsmith/cli/completion.hpp"
@@ -87,6 +88,24 @@ TEST_CASE("arguments reach the targets of their options") {
   CHECK(values.length == -0.0005);
   CHECK(values.formats == Words{"pdf", "svg"});
   CHECK(values.json);
+}
+
+TEST_CASE("behind two dashes every word is an argument") {
+  const Values values = parsed({"--also", "a", "--", "-s.yaml", "--json", "-n"});
+  CHECK(values.survey == "-s.yaml");
+  CHECK(values.photos == Words{"--json", "-n"});
+  CHECK(values.also == Words{"a"});
+  CHECK_FALSE(values.json);
+  CHECK(problem({"--"}).find("SURVEY") != std::string::npos);
+}
+
+TEST_CASE("a file whose name begins with a dash is told from an option") {
+  const TemporaryFolder folder;
+  REQUIRE(write_file(folder.path() / "-survey.yaml", "x"));
+  const ProgramOutput output = run_shell("cd '" + folder.path().string() +
+                                         "' && \"$TAGSMITH_PROGRAM\" validate -survey.yaml");
+  CHECK(output.exit_code == 2);
+  CHECK(output.err.find("the file of that name is `./-survey.yaml`") != std::string::npos);
 }
 
 TEST_CASE("wrong arguments are named with what was expected") {

@@ -41,6 +41,22 @@ TEST_CASE("published files appear, replacing older ones, and nothing else") {
   CHECK(entries(folder) == 3);
 }
 
+TEST_CASE("names are as long as the system allows, and no longer") {
+  const TemporaryFolder temporary;
+  const std::string longest(255, 'n');
+  for (const char* content : {"1", "2"}) {
+    Result<StagedFiles> files = StagedFiles::begin(temporary.path());
+    REQUIRE(files);
+    REQUIRE(files->add(longest, content));
+    const Result<void> longer = files->add(longest + "n", content);
+    REQUIRE_FALSE(longer);
+    CHECK(longer.error().message.ends_with("the name has 256 bytes, expected at most 255"));
+    REQUIRE(files->publish());
+  }
+  CHECK(read_file(temporary.path() / longest).value() == "2");
+  CHECK(entries(temporary.path()) == 1);
+}
+
 TEST_CASE("files that are not published leave nothing, not even the folders made for them") {
   const TemporaryFolder temporary;
   {
