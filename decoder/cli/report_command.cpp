@@ -60,11 +60,11 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   }
 }
 
-// All lines of all files, in turn; fails where there is no line. `report`: says how many lines
-// were left out.
+// All lines of all files, in turn; fails where there is no whole line. `report`: says how many
+// lines were left out.
 Result<void> read_all(const ReportOptions& options, const std::function<void(VerifiedFile)>& take,
                       bool report = false) {
-  std::size_t lines = 0;
+  std::size_t read = 0;
   for (const std::string& file : options.files) {
     const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
     if (!counts) return fail(counts.error().message);
@@ -74,9 +74,9 @@ Result<void> read_all(const ReportOptions& options, const std::function<void(Ver
           fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
     }
     if (report) report_broken_lines(file, *counts);
-    lines += counts->files + counts->broken;
+    read += counts->files;
   }
-  if (lines == 0) return fail(options.files.front() + ": has no line of `verify --json`");
+  if (read == 0) return fail(options.files.front() + ": has no whole line of `verify --json`");
   return {};
 }
 

@@ -78,6 +78,8 @@ std::string in_words(sqlite3* database, int code) {
       return "cannot be written: allow writing to the file and its folder";
     case SQLITE_FULL:
       return "cannot be written, the disk is full";
+    case SQLITE_CANTOPEN:
+      return "cannot be opened or made there: is its folder missing?";
     default:
       return fmt::format("does not work as a ledger: {}", sqlite3_errmsg(database));
   }

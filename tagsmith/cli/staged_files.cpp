@@ -312,7 +312,6 @@ Result<void> StagedFiles::publish() {
     return fail(folder_.string() + ": cannot be written: " + error.message());
   }
   for (const Move& move : moves) fs::remove(move.replaced, error);
-  made_->folders.clear();
   return {};
 }
 

@@ -235,6 +235,11 @@ TEST_CASE("a damaged ledger is refused in words, however it is damaged") {
   CHECK(read.error().message.find("damaged") != std::string::npos);
 }
 
+TEST_CASE("a ledger in a folder that is missing is refused in words") {
+  const test::TemporaryFolder folder;
+  CHECK(refusal_to_write(folder.path() / "none" / "a.db").ends_with("is its folder missing?"));
+}
+
 TEST_CASE("a ledger that cannot be written is refused") {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "a.db";

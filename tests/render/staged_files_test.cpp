@@ -57,6 +57,18 @@ TEST_CASE("names are as long as the system allows, and no longer") {
   CHECK(entries(temporary.path()) == 1);
 }
 
+TEST_CASE("of folders on a detour none is left") {
+  const TemporaryFolder temporary;
+  {
+    Result<StagedFiles> files = StagedFiles::begin(temporary.path() / "a/../b");
+    REQUIRE(files);
+    REQUIRE(files->add("one", "1"));
+    REQUIRE(files->publish());
+  }
+  CHECK(read_file(temporary.path() / "b/one").value() == "1");
+  CHECK(entries(temporary.path()) == 1);
+}
+
 TEST_CASE("files that are not published leave nothing, not even the folders made for them") {
   const TemporaryFolder temporary;
   {

@@ -142,6 +142,12 @@ TEST_CASE("a file that is no output of verify is refused, a line cut short is no
                 refused.err);
   const std::string cut = (folder.path() / "cut.jsonl").string();
   std::ofstream(cut) << R"({"file":"a.jpg","ta)";
+  const ProgramOutput nothing = run_tagsmith("report " + kSurvey + " " + cut);
+  CHECK(nothing.exit_code == 2);
+  CHECK(nothing.err.find("has no whole line of `verify --json`") != std::string::npos);
+  std::ofstream(cut) << R"({"file":"a.jpg","tags":[],"findings":[]})"
+                     << "\n"
+                     << R"({"file":"b.jpg","ta)";
   CHECK(run_tagsmith("report " + kSurvey + " " + cut).exit_code == 1);
 }
 
