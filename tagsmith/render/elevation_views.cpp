@@ -58,10 +58,14 @@ void draw_origin(SketchLayer& layer, const Survey& survey, const PlanStrip& stri
       .at = origin, .semi_axes = {0.0012, 0.0012}, .on_paper = true, .line = {.width = kWide}});
   layer.add(Arrow{origin, {origin, axes.x * 0.012}, {colours::kRed, kWide, {}}});
   layer.add(Arrow{origin, {origin, axes.y * 0.012}, {colours::kGreen, kWide, {}}});
+  // Over the strip, which they would lengthen on its other side.
+  const Vector2d middle =
+      strip.view_from_world * Vector2d(line.at((strip.from + strip.to) / 2).position.head<2>());
+  const bool before = origin.x() < middle.x();
   layer.add(Words{.text = "origin of the grid",
-                  .at = {origin, Vector2d(-0.002, -0.0035)},
+                  .at = {origin, Vector2d(before ? 0.002 : -0.002, -0.0035)},
                   .height = 0.0018,
-                  .align = TextAlign::right});
+                  .align = before ? TextAlign::left : TextAlign::right});
 }
 
 DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, bool first) {

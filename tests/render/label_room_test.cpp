@@ -118,6 +118,35 @@ TEST_CASE("no words of a setting-out or a survey's drawing stand over others") {
   }
 }
 
+TEST_CASE("the grid's origin in a strip does not make the setting-out's scale coarser") {
+  const TemporaryFolder folder;
+  std::string text = R"(survey: near
+tunnel: { width: 3, height: 3, centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 40 } ] } }
+tags: { template: tag-400x300 }
+code: { check_digit: gs1, resolution: 0.01, digits: [4, 4, 3], origin: [-5, -1, 0] }
+placed:
+)";
+  int pair = 0;
+  for (const double y : {1.0, 7.0, 9.0, 9.45, 15.0, 15.42, 15.84, 21.0, 36.0}) {
+    text += fmt::format("  - {{ tag: {:03}L, side: left, p: [-1.5, {}, 1.0] }}\n", pair++, y);
+  }
+  const auto path = folder.path() / "survey.yaml";
+  REQUIRE(write_file(path, text));
+  const Survey survey = load_survey(path).value();
+  std::vector<const PlacedTag*> tags;
+  for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
+  const auto drawing =
+      setting_out_drawing(survey, setting_out(survey, tags, 0.005), "abc", Paper::a3).value();
+  for (const std::string& pair_of_words : collisions(drawing)) FAIL_CHECK(pair_of_words);
+  // The nearest tags are 0.42 m apart, 8.4 mm of paper.
+  CHECK(std::ranges::any_of(drawing.front().layers, [](const SheetLayer& layer) {
+    return std::ranges::any_of(layer.items, [](const SheetItem& item) {
+      const auto* words = std::get_if<SheetText>(&item);
+      return words != nullptr && words->text == "1 : 50";
+    });
+  }));
+}
+
 TEST_CASE("a box moves where there is room, by the first move that leads there") {
   LabelRoom room;
   const TurnedBox box{{0, 0}, {0.010, 0}, {0, 0.002}};
