@@ -152,10 +152,18 @@ Result<PhotoCounts> read_lines(const AdjustInput& input,
   return photo_counts;
 }
 
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  return fmt::format("{:%Y-%m-%d}", fmt::localtime(now));
+}
+
 // Fails, before any photo is read, on input that cannot be used and output that cannot be written.
 Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
   if (!options.date.empty() && !parse_day(options.date)) {
     return fail("--date " + options.date + ": expected a day as 2026-03-31");
+  }
+  if (options.date > today()) {
+    to_stderr("{}: --date {} lies in the future, today is {}\n", kAdjust, options.date, today());
   }
   if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
     return fail("--drawing " + options.drawing +
@@ -465,11 +473,6 @@ void print_json(const Survey& survey, const AsBuiltSurvey& found) {
 }
 
 // --- the survey that is written ---
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  return fmt::format("{:%Y-%m-%d}", fmt::localtime(now));
-}
 
 // The survey's text with the places that were determined.
 Result<std::string> as_built_text(const AdjustOptions& options, const std::string& text,

@@ -196,6 +196,7 @@ TEST_CASE("wrong use is refused with its remedy") {
   refused(shipped + kRun + " --control 004L", "no control tag was seen together");
   refused(shipped + " --control 001L", "FILE is required");
   refused(shipped + kRun + " --control 001L --date 31.3.2026", "--date");
+  refused(shipped + kRun + " --control 099L --date 2998-01-31", "2998-01-31 lies in the future");
   refused("surveys/corridor/survey.yaml --control 001L" + kRun, "--rig");
   const fs::path lines = corridor.folder.path() / "lines.jsonl";
   REQUIRE(write_file(lines, run_tagsmith("verify --json " + corridor.survey + kRig + kRun).out));
