@@ -106,8 +106,14 @@ SightedPlate plate_of(const SeenTag& seen, const Survey& survey) {
   return plate;
 }
 
+// As the tags of the survey `home` are named, and SURVEY/TAG for those of another.
+std::string name_of(const PlacedTag& tag, std::size_t survey, std::size_t home,
+                    const std::vector<Survey>& surveys) {
+  return survey == home ? tag.name : surveys[survey].name + "/" + tag.name;
+}
+
 // The tags of all surveys, for they are in one grid (check_one_grid). The tunnel is that of the
-// survey `home`, whose tags have their plain names; those of another are named SURVEY/TAG.
+// survey `home`.
 NamedProblem problem_for(const Observation& observation, const std::vector<Survey>& surveys,
                          std::size_t home, const Rig& rig) {
   NamedProblem named;
@@ -119,7 +125,7 @@ NamedProblem problem_for(const Observation& observation, const std::vector<Surve
     const auto camera = camera_index(rig, seen.camera);
     if (!camera || !seen.seen_corners) continue;
     SightedPlate seen_plate = plate_of(seen, surveys[seen.survey]);
-    if (seen.survey != home) seen_plate.name = surveys[seen.survey].name + "/" + seen_plate.name;
+    seen_plate.name = name_of(seen.tag, seen.survey, home, surveys);
     const std::size_t plate = plate_index(problem.plates, std::move(seen_plate));
     problem.sightings.push_back(sighting_of(*seen.seen_corners, rig, *camera, plate));
     named.seen.push_back(&seen);
@@ -250,6 +256,27 @@ std::optional<Doubt> doubt_by_photos(const NamedProblem& named, const JointFit& 
       true};
 }
 
+// How the tags of one survey together are displaced against those of the others, by the survey of
+// which that is least likely; nothing where a fit uses tags of one.
+struct SurveyShift {
+  std::size_t survey = 0;
+  CommonShift shift;
+};
+
+std::optional<SurveyShift> shift_between_surveys(const NamedProblem& named, const JointFit& fit) {
+  std::map<std::size_t, std::vector<std::size_t>> plates;  // of each survey
+  for (std::size_t i = 0; i < fit.rows.plates.size(); ++i) {
+    plates[named.seen[fit.rows.plates[i].sightings.front()]->survey].push_back(i);
+  }
+  std::optional<SurveyShift> greatest;
+  if (plates.size() < 2) return greatest;
+  for (const auto& [survey, of_survey] : plates) {
+    const CommonShift shift = common_shift(named.problem, fit, of_survey);
+    if (!greatest || shift.chi_square > greatest->shift.chi_square) greatest = {survey, shift};
+  }
+  return greatest;
+}
+
 // A survey that is displaced as a whole is outvoted by no number of tags of another one: the tags
 // of each agree with each other wherever it is.
 std::optional<Doubt> doubt_by_surveys(const NamedProblem& named, const JointFit& fit,
@@ -267,7 +294,14 @@ std::optional<Doubt> doubt_by_surveys(const NamedProblem& named, const JointFit&
                     seen.tag.name, (*named.surveys)[seen.survey].name),
         true};
   }
-  return std::nullopt;
+  const auto apart = shift_between_surveys(named, fit);
+  if (!apart || apart->shift.chi_square < kMostVarianceFactor * chi_square_limit(3, kUnlikely)) {
+    return std::nullopt;
+  }
+  return Doubt{
+      fmt::format("the surveys contradict each other: the tags of survey {} stand {:.3f} m "
+                  "from where the others have them; are they in one grid?",
+                  (*named.surveys)[apart->survey].name, apart->shift.shift.norm())};
 }
 
 std::optional<Doubt> doubt(const NamedProblem& named, const PoseSearch& search, const Grid& grid) {
@@ -369,7 +403,8 @@ tl::expected<Believed, std::string> judge(const NamedProblem& named, PoseSearch&
   const JointProblem& problem = named.problem;
   if (const auto doubtful = doubt(named, search, grid)) {
     auto together = doubtful->contradiction ? reconciled(problem, search) : std::nullopt;
-    const bool is_sound = together && !doubt_by_calibration(problem, together->fit, grid);
+    const bool is_sound = together && !doubt_by_calibration(problem, together->fit, grid) &&
+                          !doubt_by_surveys(named, together->fit, grid);
     if (is_sound) return std::move(*together);
     return tl::unexpected(doubtful->reason);
   }
@@ -508,10 +543,25 @@ void add_notes(Fix& fix) {
   if (!unchecked.empty()) fix.notes.push_back(unchecked);
 }
 
+// Of two surveys that are displaced against each other it is unknown which is right, so the
+// position may be off by as much as one moves it: of its square, the share that the tags' standard
+// deviations do not explain, for which chi-square is expected to be 3.
+void add_shift_between_surveys(const NamedProblem& named, const JointFit& fit,
+                               SettledFit& settled_fit) {
+  const auto apart = shift_between_surveys(named, fit);
+  if (!apart || apart->shift.chi_square < 3) return;
+  VehicleCovariance moved = VehicleCovariance::Zero();
+  moved.topLeftCorner<3, 3>() =
+      (1 - 3 / apart->shift.chi_square) * apart->shift.moved * apart->shift.moved.transpose();
+  settled_fit.covariance += moved;
+  settled_fit.budget.survey += moved;
+}
+
 void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const Believed& believed,
           const Survey& survey) {
   const JointFit& fit = believed.fit;
-  const SettledFit settled_fit = settled(named.problem, fit);
+  SettledFit settled_fit = settled(named.problem, fit);
+  add_shift_between_surveys(named, fit, settled_fit);
   const Grid& grid = survey.grid;
   const VehiclePose& vehicle = settled_fit.state.vehicle;
   fix.tags.clear();
@@ -601,19 +651,9 @@ Fix localize_by_tags(const Observation& observation, const std::vector<Survey>& 
 
 // --- parts of tags. Why: docs/decisions/0005-parts-and-frameless-symbols.md. ---
 
-// The tags of one survey that a part may be.
-std::vector<const PlacedTag*> candidates_in(const SeenPart& part, std::size_t survey) {
-  std::vector<const PlacedTag*> tags;
-  for (const SurveyedTag& candidate : part.candidates) {
-    if (candidate.survey == survey) tags.push_back(candidate.tag);
-  }
-  return tags;
-}
-
-Observation with_part(Observation observation, const SeenPart& part, std::size_t survey,
-                      const PlacedTag& tag) {
+Observation with_part(Observation observation, const SeenPart& part, const SurveyedTag& of) {
   observation.tags.push_back(
-      {part.camera, survey, tag, part.seen_corners, std::nullopt, false, true});
+      {part.camera, of.survey, *of.tag, part.seen_corners, std::nullopt, false, true});
   return observation;
 }
 
@@ -626,21 +666,23 @@ bool rests_on_a_whole_tag(const Fix& fix) {
   });
 }
 
-bool is_used(const Fix& fix, const SeenPart& part, const PlacedTag& tag) {
+bool is_used(const Fix& fix, const SeenPart& part, const std::string& tag) {
   return fix.position_in_grid && std::ranges::any_of(fix.corners, [&](const FittedCorners& seen) {
-           return seen.used && seen.is_part && seen.camera == part.camera && seen.tag == tag.name;
+           return seen.used && seen.is_part && seen.camera == part.camera && seen.tag == tag;
          });
 }
 
 // The fix with a part that may be several tags, where the position without it agrees with exactly
 // one of them.
-void settle_part(const SeenPart& part, const std::vector<Survey>& surveys, std::size_t survey,
+void settle_part(const SeenPart& part, const std::vector<Survey>& surveys, std::size_t home,
                  const Rig& rig, Observation& observation, Fix& fix) {
   std::vector<std::pair<Observation, Fix>> agreeing;
-  for (const PlacedTag* tag : candidates_in(part, survey)) {
-    Observation with = with_part(observation, part, survey, *tag);
-    Fix together = localize_by_tags(with, surveys, survey, rig);
-    if (is_used(together, part, *tag)) agreeing.emplace_back(std::move(with), std::move(together));
+  for (const SurveyedTag& candidate : part.candidates) {
+    Observation with = with_part(observation, part, candidate);
+    Fix together = localize_by_tags(with, surveys, home, rig);
+    if (!is_used(together, part, name_of(*candidate.tag, candidate.survey, home, surveys)))
+      continue;
+    agreeing.emplace_back(std::move(with), std::move(together));
   }
   if (agreeing.size() != 1) return;
   observation = std::move(agreeing.front().first);
@@ -648,13 +690,12 @@ void settle_part(const SeenPart& part, const std::vector<Survey>& surveys, std::
 }
 
 Fix localize_in(const Observation& observation, const std::vector<Survey>& surveys,
-                std::size_t survey, const Rig& rig) {
+                std::size_t home, const Rig& rig) {
   Observation all = observation;
   for (const SeenPart& part : observation.parts) {
-    const auto tags = candidates_in(part, survey);
-    if (tags.size() == 1) all = with_part(std::move(all), part, survey, *tags.front());
+    if (part.candidates.size() == 1) all = with_part(std::move(all), part, part.candidates.front());
   }
-  Fix fix = localize_by_tags(all, surveys, survey, rig);
+  Fix fix = localize_by_tags(all, surveys, home, rig);
   if (fix.position_in_grid && !rests_on_a_whole_tag(fix)) {
     Fix none;
     none.survey = fix.survey;
@@ -664,8 +705,8 @@ Fix localize_in(const Observation& observation, const std::vector<Survey>& surve
     return none;
   }
   for (const SeenPart& part : observation.parts) {
-    if (!fix.position_in_grid || candidates_in(part, survey).size() < 2) continue;
-    settle_part(part, surveys, survey, rig, all, fix);
+    if (!fix.position_in_grid || part.candidates.size() < 2) continue;
+    settle_part(part, surveys, home, rig, all, fix);
   }
   return fix;
 }
@@ -703,27 +744,46 @@ double beyond_ends(const Fix& fix, const std::vector<Survey>& surveys) {
   return std::max({-chainage, chainage - centerline.length(), 0.0});
 }
 
-// Of fixes by the same tags in the tunnels of different surveys, the one that lies in its tunnel.
-Fix choose(const std::vector<Fix>& fixes, const std::vector<Survey>& surveys) {
-  const Fix* best = &fixes.front();
-  for (const Fix& fix : fixes) {
-    if (!fix.position_in_grid) continue;
-    const bool nearer =
-        !best->position_in_grid || beyond_ends(fix, surveys) < beyond_ends(*best, surveys);
-    if (nearer) best = &fix;
+// By the same tags in the tunnel of each survey of which a tag is in sight: the fix that lies in
+// its tunnel.
+Fix localize_at_home(const Observation& observation, const std::vector<Survey>& surveys,
+                     const Rig& rig, const std::vector<std::size_t>& homes) {
+  std::optional<Fix> best;
+  for (const std::size_t home : homes) {
+    Fix fix = localize_in(observation, surveys, home, rig);
+    const bool is_better =
+        !best ||
+        (fix.position_in_grid &&
+         (!best->position_in_grid || beyond_ends(fix, surveys) < beyond_ends(*best, surveys)));
+    if (is_better) best = std::move(fix);
   }
-  return *best;
+  return *std::move(best);
+}
+
+// Where none of these has a position: in the tunnel of a survey of which no tag is in sight, as
+// beside the mouth of a drive. Several tags must agree on that, for a lone one seen from the front
+// allows a second pose, which may lie in any tunnel.
+Fix localize_anywhere(const Observation& observation, const std::vector<Survey>& surveys,
+                      const Rig& rig) {
+  const std::vector<std::size_t> homes = surveys_seen(observation);
+  if (homes.empty()) return without_tags(observation);
+  Fix fix = localize_at_home(observation, surveys, rig, homes);
+  if (fix.position_in_grid || fix.tags.size() < 2) return fix;
+  for (std::size_t other = 0; other < surveys.size(); ++other) {
+    if (std::ranges::find(homes, other) != homes.end()) continue;
+    Fix there = localize_in(observation, surveys, other, rig);
+    const bool is_there =
+        there.position_in_grid && there.confirmations > 0 && beyond_ends(there, surveys) == 0;
+    if (is_there) return there;
+  }
+  return fix;
 }
 
 }  // namespace
 
 Fix localize_jointly(const Observation& observation, const std::vector<Survey>& surveys,
                      const Rig& rig) {
-  std::vector<Fix> fixes;
-  for (const std::size_t survey : surveys_seen(observation)) {
-    fixes.push_back(localize_in(observation, surveys, survey, rig));
-  }
-  Fix fix = fixes.empty() ? without_tags(observation) : choose(fixes, surveys);
+  Fix fix = localize_anywhere(observation, surveys, rig);
   fix.id = observation.id;
   fix.method = "joint";
   if (fix.position_in_grid) {

@@ -311,13 +311,14 @@ Vector3d position_shift_without(const JointFit& fit, std::size_t index) {
          VectorXd(solve_symmetric(rows.left, rows.residual));
 }
 
-Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
-                                 std::size_t index) {
-  const WhitenedRows::Plate& group = fit.rows.plates[index];
-  const auto [residual, jacobian, left] = plate_rows(fit, index);
-  const Index size = residual.size();
+namespace {
+
+// How a plate's whitened rows change with its place, world axes.
+MatrixXd rows_by_shift(const JointProblem& problem, const JointFit& fit,
+                       const WhitenedRows::Plate& group) {
   const CalibrationLayout layout = calibration_layout_of_moment(*problem.rig);
   const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
+  const auto size = kSightingRows * static_cast<Index>(group.sightings.size());
   MatrixXd by_shift = MatrixXd::Zero(size, 3);
   Index row = 0;
   for (const std::size_t sighting : group.sightings) {
@@ -326,14 +327,38 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
     row += kSightingRows;
   }
   group.root.triangularView<Eigen::Lower>().solveInPlace(by_shift);
-  const Eigen::Matrix3d information = by_shift.transpose() * left * by_shift;
-  const Vector3d score = by_shift.transpose() * residual;
-  Disagreement result;
+  return by_shift;
+}
+
+}  // namespace
+
+CommonShift common_shift(const JointProblem& problem, const JointFit& fit,
+                         std::span<const std::size_t> plates) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Vector3d score = Vector3d::Zero();
+  MatrixXd by_parameters = MatrixXd::Zero(fit.covariance.cols(), 3);
+  for (const std::size_t index : plates) {
+    const WhitenedRows::Plate& group = fit.rows.plates[index];
+    const MatrixXd by_shift = rows_by_shift(problem, fit, group);
+    information += by_shift.transpose() * by_shift;
+    score += by_shift.transpose() * fit.rows.residual.segment(group.begin, by_shift.rows());
+    by_parameters +=
+        fit.rows.jacobian.middleRows(group.begin, by_shift.rows()).transpose() * by_shift;
+  }
+  information -= by_parameters.transpose() * fit.covariance * by_parameters;
+  CommonShift result;
   result.shift = -solve_symmetric(information, score);
-  result.shift_chi_square = -score.dot(result.shift);
-  result.chi_square = squared_mahalanobis(residual, left);
-  result.degrees_of_freedom = static_cast<int>(size);
+  result.chi_square = -score.dot(result.shift);
+  result.moved = -(fit.covariance.topRows<3>() * by_parameters * result.shift);
   return result;
+}
+
+Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
+                                 std::size_t index) {
+  const auto [residual, jacobian, left] = plate_rows(fit, index);
+  const CommonShift found = common_shift(problem, fit, {&index, 1});
+  return {squared_mahalanobis(residual, left), static_cast<int>(residual.size()), found.chi_square,
+          found.shift};
 }
 
 ParameterDifference greatest_calibration_difference(const JointFit& fit) {

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,18 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
 // Of a plate (index in fit.rows.plates) that the fit uses, against the rest.
 Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
                                  std::size_t index);
+
+// How some plates together stand elsewhere than surveyed, by the rest of a fit that uses them all.
+struct CommonShift {
+  double chi_square = 0;                            // of the shift, three degrees
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of the plates, world frame, metres
+  // How far the vehicle's position moves when they may be shifted, world frame, metres.
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+};
+
+// `plates`: indices in fit.rows.plates.
+CommonShift common_shift(const JointProblem& problem, const JointFit& fit,
+                         std::span<const std::size_t> plates);
 
 // How far the vehicle's position moves when a plate (index in fit.rows.plates) is taken out of the
 // fit, world frame, metres; linearly (Cook and Weisberg 1982, "Residuals and Influence in

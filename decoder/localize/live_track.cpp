@@ -27,14 +27,9 @@ TrackTags tags_of(const Fix& fix) {
   return tags;
 }
 
-std::size_t survey_index_of(const Fix& fix, const std::vector<Survey>& surveys) {
-  return static_cast<std::size_t>(&survey_of(fix, surveys) - surveys.data());
-}
-
 LiveTrack track_from(const Fix& fix, const MeasuredPlace& measured, double time,
-                     const std::vector<Survey>& surveys, const MotionModel& motion) {
-  return {survey_index_of(fix, surveys),
-          time,
+                     const MotionModel& motion) {
+  return {time,
           updated(motion_from(measured.place, motion), measured).estimate,
           fix.attitude->pitch,
           fix.attitude->roll,
@@ -91,9 +86,6 @@ std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const std::vector
                                        const RigCamera& camera) {
   std::vector<ExpectedTag> expected;
   for (const Survey& survey : surveys) {
-    const bool is_there = &survey == &surveys[prior.survey] ||
-                          outside_tunnel(survey.tunnel, prior.vehicle.position).empty();
-    if (!is_there) continue;
     std::ranges::move(expected_tags(prior, survey, camera), std::back_inserter(expected));
   }
   return expected;
@@ -104,9 +96,8 @@ std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
   if (!is_usable(track, time, motion)) return std::nullopt;
   constexpr double kLean = 0.005;  // radians: pitch and roll from one image to the next
   const MotionEstimate now = predicted(track.estimate, time - track.time, motion);
-  const Grid& grid = surveys[track.survey].grid;
+  const Grid& grid = surveys.front().grid;
   PosePrior prior;
-  prior.survey = track.survey;
   prior.vehicle.position = world_from_grid(grid, now.mean.head<3>());
   prior.vehicle.heading = world_heading_from_grid(grid, now.mean[3]);
   prior.vehicle.pitch = track.pitch;
@@ -116,8 +107,7 @@ std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
   return prior;
 }
 
-Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
-                 const std::vector<Survey>& surveys, const MotionModel& motion) {
+Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time, const MotionModel& motion) {
   const auto measured = measured_by(fix);
   if (!measured) return fix;
   if (!track || !is_usable(*track, time, motion)) {
@@ -127,7 +117,7 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
                       "a new track begins",
                       time, track->time));
     }
-    track = track_from(fix, *measured, time, surveys, motion);
+    track = track_from(fix, *measured, time, motion);
     return fix;
   }
   const MotionEstimate expected = predicted(track->estimate, time - track->time, motion);
@@ -136,7 +126,7 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
   const std::string lone_tag = alone ? unique_tags(fix).front() : std::string();
   if (!update.agrees && !alone) {
     fix.notes.emplace_back("not where the motion since the last fixes leads: a new track begins");
-    track = track_from(fix, *measured, time, surveys, motion);
+    track = track_from(fix, *measured, time, motion);
     return fix;
   }
   TrackTags tags = track->tags;
@@ -150,7 +140,6 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
                                     "has confirmed it since: misplaced, misprinted or moved?",
                                     fix.tags.front()));
   }
-  track->survey = survey_index_of(fix, surveys);
   track->tags = std::move(tags);
   track->time = time;
   track->estimate = update.estimate;

@@ -19,7 +19,6 @@ namespace tagsmith::detail {
 
 // Where the vehicle should be, before its images are read.
 struct PosePrior {
-  std::size_t survey = 0;     // index of the survey in whose tunnel it is
   VehiclePose vehicle;        // world frame
   double position_sigma = 0;  // metres, worst direction
   double angle_sigma = 0;     // radians, likewise
@@ -29,13 +28,12 @@ struct PosePrior {
 // deviations. None when that is too uncertain to be of use.
 std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const Survey& survey,
                                        const RigCamera& camera);
-// The same of all surveys in whose tunnels that is.
+// The same of all surveys, which are in one grid.
 std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const std::vector<Survey>& surveys,
                                        const RigCamera& camera);
 
 // The motion on which the latest fixes agree.
 struct LiveTrack {
-  std::size_t survey = 0;
   double time = 0;  // of the estimate, seconds
   MotionEstimate estimate;
   double pitch = 0;
@@ -58,6 +56,6 @@ std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
 // single tag's loses the note that nothing does. A time that is not after the track's begins a new
 // one, with a note.
 Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
-                 const std::vector<Survey>& surveys, const MotionModel& motion = {});
+                 const MotionModel& motion = {});
 
 }  // namespace tagsmith::detail

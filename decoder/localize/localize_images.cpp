@@ -74,7 +74,7 @@ bool is_settled(const Fix& fix, const std::vector<Look>& looks,
   std::size_t seen = 0;
   for (const Look& look : looks) seen += look.search.tags().size();
   const auto whole = std::ranges::count(fix.corners, false, &FittedCorners::is_part);
-  return seen == static_cast<std::size_t>(whole);  // none of another survey
+  return seen == static_cast<std::size_t>(whole);  // none that the fix does not know of
 }
 
 // Whether a point lies in the image, as far from its border as the reader needs bars to be.
@@ -108,26 +108,27 @@ bool is_readable(const Camera& camera, const Pose& camera_from_plate, const TagT
   return length >= kLeastModule * (1 + 2 * kBeside) * kModuleCount;
 }
 
-// Whether the survey has a tag that should have been read in an image and was not.
-bool misses_any(const Look& look, const Fix& fix, const Survey& survey) {
+// Whether a survey has a tag that should have been read in an image and was not.
+bool misses_any(const Look& look, const Fix& fix, const std::vector<Survey>& surveys) {
   const RigCamera& camera = *look.image->camera;
   const Pose camera_from_world =
-      inverse(world_from_vehicle(fix, survey.grid) * camera.vehicle_from_camera);
-  return std::ranges::any_of(survey.tags, [&](const PlacedTag& tag) {
-    const auto is_it = [&](const Reading& reading) { return reading.digits == tag.digits; };
-    return is_readable(camera.camera, camera_from_world * tag.world_from_plate,
-                       survey.tag_template) &&
-           std::ranges::none_of(look.search.tags(), is_it);
+      inverse(world_from_vehicle(fix, surveys.front().grid) * camera.vehicle_from_camera);
+  return std::ranges::any_of(surveys, [&](const Survey& survey) {
+    return std::ranges::any_of(survey.tags, [&](const PlacedTag& tag) {
+      const auto is_it = [&](const Reading& reading) { return reading.digits == tag.digits; };
+      return is_readable(camera.camera, camera_from_world * tag.world_from_plate,
+                         survey.tag_template) &&
+             std::ranges::none_of(look.search.tags(), is_it);
+    });
   });
 }
 
 // Looks closer at the images that may hold more than this fix knows of; whether there were any.
 bool look_closer(std::vector<Look>& looks, const Fix& fix, bool settled,
                  const std::vector<Survey>& surveys) {
-  const auto survey = std::ranges::find(surveys, fix.survey, &Survey::name);
   bool any = false;
   for (Look& look : looks) {
-    const bool enough = settled && survey != surveys.end() && !misses_any(look, fix, *survey);
+    const bool enough = settled && !misses_any(look, fix, surveys);
     if (look.closer || enough) continue;
     look.search.look_closer();
     look.closer = true;

@@ -20,7 +20,7 @@ Fix LiveDrive::next(const LocalizeOne& localize, std::optional<double> time) {
     set_aside_notes_.push_back("set aside from here on: " + tag.message);
   }
   fix.notes.insert(fix.notes.end(), set_aside_notes_.begin(), set_aside_notes_.end());
-  if (time) fix = follow_track(track_, std::move(fix), *time, aside_.all());
+  if (time) fix = follow_track(track_, std::move(fix), *time);
   fix = doubts_.judged(std::move(fix), aside_.all(), *rig_);
   if (!check.suspicion || !fix.doubt.empty()) return fix;
   return doubted(std::move(fix), "the rig is in doubt: " + describe(*check.suspicion, *rig_));

@@ -393,6 +393,71 @@ TEST_CASE("a survey that is displaced as a whole is outvoted by no number of ano
   CHECK(one_against_more > 0);
 }
 
+TEST_CASE("a position by two surveys covers how far these are apart, or there is none") {
+  const Site site = with_four_cameras(site_named("corridor"));
+  int located = 0, refused = 0;
+  for (double displaced = 0; displaced < 0.05; displaced += 0.002) {
+    for (double chainage = 1; chainage < 5; chainage += 0.5) {
+      const VehiclePose truth = pose_at(site, chainage, 0.0);
+      const Observation seen = observation_at(site, truth);
+      for (int second_from = 1; second_from < 8; ++second_from) {
+        const auto surveys = in_two_surveys(site, second_from, displaced);
+        const Observation row = by_surveys(seen, surveys);
+        const auto far = std::ranges::count(row.tags, std::size_t{1}, &SeenTag::survey);
+        if (far == 0 || far == std::ssize(row.tags)) continue;
+        CAPTURE(displaced);
+        CAPTURE(chainage);
+        CAPTURE(second_from);
+        const Fix fix = localize_jointly(row, surveys, site.rig);
+        fix.position_in_grid ? ++located : ++refused;
+        if (displaced == 0) REQUIRE(fix.position_in_grid);
+        if (displaced > 0.03) CHECK_FALSE(fix.position_in_grid);
+        if (!fix.position_in_grid) continue;
+        const double off = std::abs(fix.position_in_grid->y() - truth.position.y());
+        CHECK(off < 4 * std::sqrt((*fix.covariance_in_grid)(1, 1)));
+      }
+    }
+  }
+  CHECK(located > 100);
+  CHECK(refused > 100);
+}
+
+TEST_CASE("a part of a tag of one survey contradicts or confirms a position by another's") {
+  const Site site = with_four_cameras(site_named("corridor"));
+  const VehiclePose truth = pose_at(site, 2.0, 0.0);
+  for (const double displaced : {0.0, 0.15}) {
+    CAPTURE(displaced);
+    const auto surveys = in_two_surveys(site, 4, displaced);
+    Observation row = by_surveys(observation_at(site, truth), surveys);
+    const auto near = std::ranges::find(row.tags, std::size_t{0}, &SeenTag::survey);
+    REQUIRE(near != row.tags.end());
+    const SeenTag part = *near;
+    row.parts.push_back(
+        {part.camera, find_tags(surveys, part.tag.digits), *part.seen_corners, 0.5});
+    std::erase_if(row.tags, [](const SeenTag& tag) { return tag.survey == 0; });
+    REQUIRE_FALSE(row.tags.empty());
+    row.tags.resize(1);
+    const Fix fix = localize_jointly(row, surveys, site.rig);
+    CHECK(fix.position_in_grid.has_value() == (displaced == 0));
+    if (fix.position_in_grid) CHECK(fix.confirmations == 1);
+  }
+}
+
+TEST_CASE("beside the mouth of a drive all tags in sight may be those of that drive") {
+  const Site site = with_four_cameras(site_named("corridor"));
+  const VehiclePose truth = pose_at(site, 2.0, 0.0);
+  auto surveys = in_two_surveys(site, 0, 0);  // all tags are of the second one
+  surveys[1].tunnel.height = ChainageProfile(0.05);
+  const Observation row = by_surveys(observation_at(site, truth), surveys);
+  const Fix fix = localize_jointly(row, surveys, site.rig);
+  CHECK(error_of(fix, site, truth) < 1e-3);
+  CHECK(fix.survey == "near");
+  CHECK(fix.tags.front().find("far/") == 0);
+  Observation lone = row;
+  lone.tags.resize(1);
+  CHECK_FALSE(localize_jointly(lone, surveys, site.rig).position_in_grid);
+}
+
 TEST_CASE("of two surveys the one in whose tunnel the vehicle stands names the position") {
   const Site site = site_named("corridor");
   const VehiclePose truth = pose_at(site, 1.0, 0.0);
