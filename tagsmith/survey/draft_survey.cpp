@@ -16,6 +16,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
@@ -159,21 +160,39 @@ std::optional<double> scatter_across(const SurveyDraft& draft) {
   return scatter < kFinest || scatter > kRoughest ? std::nullopt : std::optional(scatter);
 }
 
+// How well the directions of plates are known that follow the drafted walls: as hung by eye, and as
+// the points determine the walls. Nothing where that is as usual, or the list states all
+// directions. Degrees.
+std::optional<double> angle_sigma_of(const SurveyDraft& draft) {
+  const bool all_stated = std::ranges::all_of(draft.points, [](const SurveyedPoint& point) {
+    return !is_tag(point) || (point.attitude && point.attitude->facing);
+  });
+  if (all_stated && !draft.series) return std::nullopt;
+  const double tenths =
+      std::round(10 * degrees(std::hypot(kUsualAngleSigma, draft.fit.heading_sigma)));
+  return tenths > std::round(10 * degrees(kUsualAngleSigma)) ? std::optional(tenths / 10)
+                                                             : std::nullopt;
+}
+
 // The plate, and how well the points fit a tunnel of one width.
 std::string tags_text(const SurveyDraft& draft) {
-  if (draft.series) {
-    return "tags:\n  template: " + draft.template_name + "\n" + series_text(*draft.series);
+  std::string text = "tags:\n  template: " + draft.template_name + "\n";
+  if (draft.series) text += series_text(*draft.series);
+  if (const auto scatter = scatter_across(draft)) {
+    const double mm = std::max(1.0, std::ceil(1000 * *scatter));
+    text += fmt::format(
+        "  sigma: {}   # of a coordinate: the points scatter by {:.1f} mm across from the fitted "
+        "walls;\n"
+        "                 # rounded up to a millimetre. Your instrument may tell better.\n",
+        format_number(mm / 1000), 1000 * *scatter);
   }
-  const std::optional<double> scatter = scatter_across(draft);
-  if (!scatter) return "tags: { template: " + draft.template_name + " }\n";
-  const double mm = std::max(1.0, std::ceil(1000 * *scatter));
-  return fmt::format(
-      "tags:\n"
-      "  template: {}\n"
-      "  sigma: {}   # of a coordinate: the points scatter by {:.1f} mm across from the fitted "
-      "walls;\n"
-      "                 # rounded up to a millimetre. Your instrument may tell better.\n",
-      draft.template_name, format_number(mm / 1000), 1000 * *scatter);
+  if (const auto angle = angle_sigma_of(draft)) {
+    text += fmt::format(
+        "  angle_sigma: {}   # of the plates' attitude, degrees: the points determine the walls' "
+        "direction to {:.1f}\n",
+        format_number(*angle), degrees(draft.fit.heading_sigma));
+  }
+  return text;
 }
 
 // The keys of an attitude that does not follow from the drafted wall.

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 
@@ -273,14 +274,16 @@ double robust_cost(const VectorXd& residuals, double scale) {
   return (squares / (1 + squares)).sum();
 }
 
-MatrixXd jacobian_of(const PlanModel& model, const std::vector<PlanPoint>& points,
-                     const VectorXd& residuals) {
-  MatrixXd jacobian(residuals.size(), model.values.size());
+// How the values change with each of the model's numbers.
+template <class Values>
+MatrixXd jacobian_of(const PlanModel& model, const Values& values_of) {
+  const VectorXd values = values_of(model);
+  MatrixXd jacobian(values.size(), model.values.size());
   for (Eigen::Index i = 0; i < model.values.size(); ++i) {
     const double step = i < 3 || std::abs(model.values[i]) > 1 ? 1e-6 : 1e-8;
     PlanModel moved = model;
     moved.values[i] += step;
-    jacobian.col(i) = (residuals_of(moved, points) - residuals) / step;
+    jacobian.col(i) = (values_of(moved) - values) / step;
   }
   return jacobian;
 }
@@ -296,7 +299,8 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
     double damping = 1e-3;
     for (int iteration = 0; iteration < kIterations && damping < 1e8; ++iteration) {
       const VectorXd weights = (1 + (residuals / used).array().square()).square().inverse();
-      const MatrixXd jacobian = jacobian_of(model, points, residuals);
+      const MatrixXd jacobian =
+          jacobian_of(model, [&](const PlanModel& at) { return residuals_of(at, points); });
       MatrixXd normal = jacobian.transpose() * weights.asDiagonal() * jacobian;
       normal.diagonal() += damping * normal.diagonal() + VectorXd::Constant(normal.rows(), 1e-12);
       PlanModel moved = model;
@@ -329,20 +333,41 @@ double reach_of(const std::vector<PlanPoint>& points, const std::vector<Vector2d
   return distances.empty() ? 0 : median(std::move(distances));
 }
 
-// The model that the headings suggest. It starts before the first point and ends `lead` after the
-// last.
-PlanModel first_model(const std::vector<PlanPoint>& points, const std::vector<Vector2d>& guide,
-                      const std::vector<HeadingStep>& steps, const HeadingSums& sums, int count) {
-  const double width = 2 * reach_of(points, guide);
-  const double lead = width + 1;
+// What is fitted, and what the guide says of it.
+struct PlanTask {
+  PlanTask(const std::vector<PlanPoint>& all, const std::vector<Vector2d>& line, double most_off)
+      : points(all),
+        sample(thinned(all, kMostFitted)),
+        guide(line),
+        steps(heading_steps(line)),
+        sums(steps),
+        width(2 * reach_of(sample, line)),
+        tolerance(most_off) {}
+
+  const std::vector<PlanPoint>& points;
+  std::vector<PlanPoint> sample;
+  std::vector<Vector2d> guide;
+  std::vector<HeadingStep> steps;
+  HeadingSums sums;
+  double width;
+  double tolerance;
+
+  // How far a model begins before the first point, and ends after the last.
+  double lead() const { return width + 1; }
+};
+
+// The model that the headings suggest.
+PlanModel first_model(const PlanTask& task, int count) {
+  const auto& steps = task.steps;
+  const double lead = task.lead();
   PlanModel model;
   model.straight.resize(static_cast<std::size_t>(count), false);
   model.values = VectorXd::Zero(2 + 2 * count);
   std::size_t from = 0;
   double chainage = -lead;
   Eigen::Index i = 0;
-  for (const std::size_t end : best_breaks(sums, steps.size(), count)) {
-    const HeadingLine line = sums.line(from, end);
+  for (const std::size_t end : best_breaks(task.sums, steps.size(), count)) {
+    const HeadingLine line = task.sums.line(from, end);
     const HeadingStep& last = steps[end - 1];
     const double to = last.at + last.length / 2 + (end == steps.size() ? lead : 0);
     if (i == 0) model.values[1] = line.value - line.slope * line.middle;
@@ -353,30 +378,154 @@ PlanModel first_model(const std::vector<PlanPoint>& points, const std::vector<Ve
   }
   // Back along the first element by `lead`.
   const double turn = -lead * model.curvature(0);
-  model.anchor = guide.front() - lead * direction_of(model.values[1] + turn / 2).head<2>();
+  model.anchor = task.guide.front() - lead * direction_of(model.values[1] + turn / 2).head<2>();
   model.values[1] += turn;
-  model.values[2] = width;
+  model.values[2] = task.width;
   model.anchor_heading = model.values[1];
   return model;
+}
+
+// Degrees of freedom that are left to the points.
+double freedom_of(const PlanModel& model, std::size_t points) {
+  const auto straight = std::ranges::count(model.straight, true);
+  return static_cast<double>(points) - static_cast<double>(model.values.size() - straight);
+}
+
+// The residual from which on a point counts for less and less: eight times the scatter, but no more
+// than the tolerance.
+double scale_of(const PlanModel& model, const std::vector<PlanPoint>& points, double tolerance) {
+  constexpr double kTimes = 8;
+  constexpr double kSigmaOfMedian = 1.4826;
+  const VectorXd residuals = residuals_of(model, points).cwiseAbs();
+  const double sigma = kSigmaOfMedian * median({residuals.begin(), residuals.end()}) *
+                       std::sqrt(static_cast<double>(points.size()) /
+                                 std::max(1.0, freedom_of(model, points.size())));
+  return std::min(tolerance, kTimes * std::max(kFinest, sigma));
+}
+
+// Squares of the residuals, of which each counts at most `scale`; points are no better than their
+// digits.
+double squares_of(const PlanModel& model, const std::vector<PlanPoint>& points, double scale) {
+  return scale * scale * robust_cost(residuals_of(model, points), scale) +
+         kFinest * kFinest * static_cast<double>(points.size());
+}
+
+// The same line with its first or its last element cut in two.
+PlanModel with_end_cut(const PlanModel& model, bool first, double lead) {
+  constexpr double kShare = 0.25;  // of the element beside the points that is cut off
+  const Eigen::Index count = model.count();
+  const Eigen::Index place = first ? 0 : count - 1;
+  const double length = model.length(place);
+  const double beside = std::max(0.0, length - (count == 1 ? 2 : 1) * lead);
+  const double before = first ? lead + kShare * beside : length - lead - kShare * beside;
+  std::vector<double> lengths;
+  std::vector<double> curvatures;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (i == place) lengths.push_back(before);
+    if (i == place) curvatures.push_back(model.curvature(i));
+    lengths.push_back(i == place ? length - before : model.length(i));
+    curvatures.push_back(model.curvature(i));
+  }
+  PlanModel cut = model;
+  cut.straight.assign(lengths.size(), false);
+  cut.last_length = lengths.back();
+  lengths.pop_back();
+  cut.values.resize(2 + 2 * (count + 1));
+  cut.values << model.values.head<3>(), Eigen::Map<VectorXd>(lengths.data(), count),
+      Eigen::Map<VectorXd>(curvatures.data(), count + 1);
+  return cut;
+}
+
+// Whether a model with more elements has less scatter than chance gives it.
+bool is_better(const PlanModel& model, const PlanModel& than, const std::vector<PlanPoint>& points,
+               double scale) {
+  const auto more = static_cast<int>(model.count() - than.count());
+  return chance_of(squares_of(adjusted(than, points, scale), points, scale),
+                   squares_of(model, points, scale), freedom_of(model, points.size()), more,
+                   static_cast<double>(points.size())) < kChance;
 }
 
 // Arcs that the points do not distinguish from lines become lines, as long as no point leaves the
 // tolerance.
 PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, double tolerance) {
-  constexpr double kSurelyArc = 0.5;  // radians: no trial is needed
   for (Eigen::Index i = 0; i < model.count(); ++i) {
-    if (std::abs(model.curvature(i)) * model.length(i) > kSurelyArc) continue;
+    const double scale = scale_of(model, points, tolerance);
     PlanModel tried = model;
     tried.straight[static_cast<std::size_t>(i)] = true;
-    tried = adjusted(tried, points, tolerance);
-    const VectorXd left = residuals_of(tried, points);
-    const double before = residuals_of(model, points).squaredNorm();
-    // An arc must lower the squares by a third.
-    const bool as_good =
-        left.squaredNorm() < 1.5 * before + 1e-8 * static_cast<double>(left.size());
-    if (as_good && left.cwiseAbs().maxCoeff() <= tolerance) model = tried;
+    tried.values[2 + model.count() + i] = 0;
+    tried = adjusted(tried, points, scale);
+    const double chance =
+        chance_of(squares_of(tried, points, scale), squares_of(model, points, scale),
+                  freedom_of(model, points.size()), 1, 1);
+    if (chance < kChance) continue;
+    if (residuals_of(tried, points).cwiseAbs().maxCoeff() <= tolerance) model = tried;
   }
   return model;
+}
+
+VectorXd headings_of(const PlanModel& model, const std::vector<PlanPoint>& points) {
+  const Centerline line = line_of(model);
+  VectorXd headings(static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    headings[static_cast<Eigen::Index>(i)] =
+        line.at(touching_address(line, points[i]).chainage).heading;
+  }
+  return headings;
+}
+
+// The scatter that the points may have, one standard deviation: with 95 % at most so much. What few
+// points cannot tell of it is taken as usual.
+double greatest_scatter(double squares, double freedom) {
+  constexpr double kUsual = 0.003;  // metres, as of a survey that does not state its sigma
+  constexpr double k95Percent = -1.645;
+  if (freedom < 1) return kUsual;
+  const double least = std::max(0.0, chi_square_limit(static_cast<int>(freedom), k95Percent));
+  return std::min(std::sqrt(squares / least), std::max(kUsual, std::sqrt(squares / freedom)));
+}
+
+// Variances of the headings beside points by the scatter of all.
+VectorXd heading_variances(const PlanModel& model, const std::vector<PlanPoint>& points,
+                           const std::vector<PlanPoint>& beside, double squares) {
+  const double scatter = greatest_scatter(squares, freedom_of(model, points.size()));
+  const MatrixXd of_residuals =
+      jacobian_of(model, [&](const PlanModel& at) { return residuals_of(at, points); });
+  const MatrixXd of_headings =
+      jacobian_of(model, [&](const PlanModel& at) { return headings_of(at, beside); });
+  MatrixXd normal = gram(of_residuals);
+  normal.diagonal().array() += 1e-12;
+  const MatrixXd spread = solve_symmetric(normal, of_headings.transpose());
+  return scatter * scatter *
+         (of_headings.array() * spread.transpose().array()).rowwise().sum().max(0).matrix();
+}
+
+// The greatest standard deviation of the heading beside plates, or beside all points where no plate
+// hangs: by the points' scatter, and by how far other shapes differ, as far as the points do not
+// rule them out.
+double heading_sigma_of(const PlanModel& model, const std::vector<PlanModel>& others,
+                        const std::vector<PlanPoint>& points, double tolerance) {
+  std::vector<PlanPoint> beside;
+  std::ranges::copy_if(points, std::back_inserter(beside),
+                       [](const PlanPoint& point) { return point.plate_half > 0; });
+  if (beside.empty()) beside = points;
+  const double scale = scale_of(model, points, tolerance);
+  const auto count = static_cast<double>(points.size());
+  const double squares = squares_of(model, points, scale);
+  const VectorXd headings = headings_of(model, beside);
+  VectorXd variances = heading_variances(model, points, beside, squares);
+  for (const PlanModel& other : others) {
+    const double other_squares = squares_of(other, points, scale);
+    if (other_squares > squares) continue;  // no better for all its numbers
+    const auto more = static_cast<int>(other.count() - model.count());
+    const double chance = chance_of(squares, other_squares, freedom_of(other, points.size()),
+                                    std::max(1, more), more > 0 ? count : 1);
+    // The odds as by Schwarz's criterion (1978), which asks for more the more points there are.
+    const double probability = 1 / (1 + std::sqrt(count) * chance);
+    const VectorXd apart = (headings_of(other, beside) - headings).unaryExpr([](double angle) {
+      return std::remainder(angle, 2 * std::numbers::pi);
+    });
+    variances += probability * apart.cwiseAbs2();
+  }
+  return std::sqrt(variances.maxCoeff());
 }
 
 PlanFit seen_along(Centerline line, double width, const std::vector<PlanPoint>& points) {
@@ -398,26 +547,95 @@ std::ptrdiff_t misfits(const PlanFit& fit, double tolerance) {
   return std::ranges::count_if(fit.residuals, [&](double r) { return std::abs(r) > tolerance; });
 }
 
+bool fits_all(const PlanTask& task, const PlanModel& model) {
+  return misfits(finished(model, task.points), task.tolerance) == 0;
+}
+
+// A model, or a better one that begins as a shorter one with an end cut: the guide says little of
+// the ends.
+PlanModel with_better_end(const PlanTask& task, PlanModel model, const PlanModel& shorter) {
+  const double scale = scale_of(model, task.sample, task.tolerance);
+  for (const bool first : {true, false}) {
+    const PlanModel cut = adjusted(with_end_cut(shorter, first, task.lead()), task.sample, scale);
+    const bool better = squares_of(cut, task.sample, scale) < squares_of(model, task.sample, scale);
+    if (better && fits_all(task, cut)) model = cut;
+  }
+  return model;
+}
+
+// A shape within the tolerance, and others that the points do not ask for.
+struct PlanShapes {
+  PlanModel shown;
+  std::vector<PlanModel> others;
+};
+
+// The model with as many more elements as improve it by more than chance.
+PlanShapes grown(const PlanTask& task, PlanModel model, const std::optional<PlanModel>& shorter,
+                 int most) {
+  constexpr int kAhead = 2;  // elements: one alone may not begin and end a bend
+  const std::vector<PlanPoint>& sample = task.sample;
+  if (shorter) model = with_better_end(task, model, *shorter);
+  std::vector<PlanModel> others;
+  for (int count = static_cast<int>(model.count()) + 1;
+       count <= std::min(most, static_cast<int>(model.count()) + kAhead); ++count) {
+    const double scale = scale_of(model, sample, task.tolerance);
+    PlanModel longer =
+        adjusted(adjusted(first_model(task, count), sample, task.tolerance), sample, scale);
+    if (count == model.count() + 1) longer = with_better_end(task, longer, model);
+    if (!fits_all(task, longer)) continue;
+    if (!is_better(longer, model, sample, scale)) {
+      others.push_back(longer);
+      continue;
+    }
+    model = longer;
+    others.clear();
+  }
+  const PlanModel sharper = adjusted(model, sample, scale_of(model, sample, task.tolerance));
+  if (fits_all(task, sharper)) model = sharper;
+  const PlanModel shown = straightened(model, sample, task.tolerance);
+  PlanModel bent = shown;  // its lines as arcs
+  bent.straight.assign(bent.straight.size(), false);
+  others.push_back(adjusted(bent, sample, scale_of(shown, sample, task.tolerance)));
+  return {shown, others};
+}
+
+PlanFit fit_of(const PlanTask& task, const PlanShapes& shapes) {
+  PlanFit fit = finished(shapes.shown, task.points);
+  fit.heading_sigma = heading_sigma_of(shapes.shown, shapes.others, task.sample, task.tolerance);
+  return fit;
+}
+
 }  // namespace
+
+double chance_of(double before, double after, double freedom, int pieces, double places) {
+  // The tail of the F distribution with an even number of degrees of freedom in its numerator.
+  const double share = freedom > 0 ? std::min(1.0, after / before) : 1;
+  double term = 1;
+  double sum = 0;
+  for (int i = 0; i < pieces; ++i) {
+    sum += term;
+    term *= (freedom / 2 + i) / (i + 1) * (1 - share);
+  }
+  return std::pow(places, pieces) * std::pow(share, std::max(0.0, freedom) / 2) * sum;
+}
 
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
                                 int most_elements) {
   const std::vector<Vector2d> guide = make_guide(points);
   if (guide.empty()) return std::nullopt;
-  const std::vector<HeadingStep> steps = heading_steps(guide);
-  const HeadingSums sums(steps);
-  const std::vector<PlanPoint> sample = thinned(points, kMostFitted);
-  std::optional<PlanFit> best;
-  const int most = std::min(most_elements, static_cast<int>(steps.size()));
+  const PlanTask task(points, guide, tolerance);
+  const int most = std::min(most_elements, static_cast<int>(task.steps.size()));
+  std::optional<PlanFit> closest;
+  std::optional<PlanModel> shorter;
   for (int count = 1; count <= most; ++count) {
-    const PlanModel model =
-        adjusted(first_model(sample, guide, steps, sums, count), sample, tolerance);
+    const PlanModel model = adjusted(first_model(task, count), task.sample, tolerance);
     PlanFit fit = finished(model, points);
     const auto off = misfits(fit, tolerance);
-    if (off == 0) return finished(straightened(model, sample, tolerance), points);
-    if (!best || off < misfits(*best, tolerance)) best = std::move(fit);
+    if (off == 0) return fit_of(task, grown(task, model, shorter, most));
+    if (!closest || off < misfits(*closest, tolerance)) closest = std::move(fit);
+    shorter = model;
   }
-  return best;
+  return closest;
 }
 
 PlanFit plan_along(const Centerline& line, const std::vector<PlanPoint>& points) {

@@ -27,16 +27,28 @@ struct PlanFit {
   double width = 0;               // void when the offsets of all points are known
   std::vector<double> residuals;  // metres to the right of where the fit has the point
   std::vector<double> chainages;
+  double heading_sigma = 0;  // of the line beside the points where it is greatest, radians
 };
 
-// The fit with the fewest elements, up to `most_elements`, whose residuals are within the
-// tolerance; if there is none, the one that most points fit. Nothing when the points show no line:
-// fewer than two on the center line, or on either wall. Of a long list a part that is spread evenly
-// over it is fitted, so that the time does not grow with the list.
+// The fit with the fewest elements, up to `most_elements`, whose residuals are within the tolerance
+// and that no further element improves by more than chance: the tolerance refuses points, their
+// scatter decides the shape. If none is within the tolerance, the one that most points fit. Nothing
+// when the points show no line: fewer than two on the center line, or on either wall. Of a long
+// list a part that is spread evenly over it is fitted, so that the time does not grow with the
+// list. The heading's standard deviation is that beside plates, or beside all points where no
+// plate hangs.
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
                                 int most_elements);
 
 // The width at which walls stand beside the line, and how far the points are off them.
 PlanFit plan_along(const Centerline& line, const std::vector<PlanPoint>& points);
+
+inline constexpr double kFinest = 1e-4;  // lists are written to the millimetre or its tenth
+inline constexpr double kChance = 0.01;  // an element that noise explains as likely is none
+
+// The probability that noise alone lowers a sum of squares from `before` to `after`, which has
+// `freedom` degrees of freedom, by the best of `places` places for a piece with two numbers to
+// adjust, as many pieces as `pieces` (F-test, Bonferroni's bound). May exceed 1.
+double chance_of(double before, double after, double freedom, int pieces, double places);
 
 }  // namespace tagsmith::detail

@@ -154,14 +154,23 @@ std::optional<std::vector<CenterlineElement>> cut_at(std::vector<CenterlineEleme
   return std::nullopt;
 }
 
+// Of a floor with one more element to have less scatter by noise alone.
+double chance_of_floor(const Floor& floor, const Floor& cut) {
+  const auto points = static_cast<double>(cut.ups.size());
+  const double digits = kFinest * kFinest * points;
+  const auto numbers = static_cast<double>(1 + cut.elements.size());
+  return chance_of(floor.ups.squaredNorm() + digits, cut.ups.squaredNorm() + digits,
+                   points - numbers, 1, points);
+}
+
 // Elements are cut where the grade changes, at one of at most 60 chainages of floor points, while
-// the floor is further off than the tolerance.
+// that lowers the scatter by more than chance. What is off by more than the tolerance is hardly
+// noise: it needs less proof.
 Floor fit_grades(const std::vector<CenterlineElement>& elements,
                  const std::vector<HeightStation>& points, double tolerance) {
   constexpr std::size_t kMostTried = 60;
   Floor floor = fit_floor(elements, points);
   for (int cut = 0; cut < kMostFittedElements; ++cut) {
-    if (floor.ups.cwiseAbs().maxCoeff() <= tolerance) break;
     Floor best = floor;
     const std::size_t step = std::max<std::size_t>(1, points.size() / kMostTried);
     for (std::size_t i = 0; i < points.size(); i += step) {
@@ -170,7 +179,8 @@ Floor fit_grades(const std::vector<CenterlineElement>& elements,
       Floor other = fit_floor(*tried, points);
       if (other.ups.squaredNorm() < best.ups.squaredNorm()) best = std::move(other);
     }
-    if (best.elements.size() == floor.elements.size()) break;
+    const bool off = floor.ups.cwiseAbs().maxCoeff() > tolerance;
+    if (chance_of_floor(floor, best) >= (off ? 1 : kChance)) break;
     floor = std::move(best);
   }
   return floor;
@@ -464,8 +474,8 @@ WithTangents with_tangents(const Centerline& line, double least, double most) {
 // The same line from a plate's length before the first point to as much beyond the last.
 Centerline with_ends(const WallPlan& plan, const std::vector<SurveyedPoint>& points,
                      double margin) {
-  const auto& [line, width, residuals, chainages] = plan.fit;
-  const auto [least, most] = std::ranges::minmax(chainages);
+  const Centerline& line = plan.fit.line;
+  const auto [least, most] = std::ranges::minmax(plan.fit.chainages);
   const auto [elements, before] = with_tangents(line, least, most);
   const bool straight = elements.front().curvature == 0;
   double from = least - margin;
@@ -685,6 +695,7 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   fit.rms_across = rms(Eigen::Map<const VectorXd>(
       plan->fit.residuals.data(), static_cast<Eigen::Index>(plan->fit.residuals.size())));
   fit.rms_up = rms(floor.ups);
+  fit.heading_sigma = plan->fit.heading_sigma;
   return fit;
 }
 

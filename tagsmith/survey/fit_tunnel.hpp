@@ -41,6 +41,7 @@ struct TunnelFit {
   std::vector<PointResidual> residuals;  // of the points one by one
   double rms_across = 0;
   double rms_up = 0;
+  double heading_sigma = 0;  // of the center line as fitted, where it is greatest, radians
 };
 
 // Fits the fewest lines and arcs, joined without bends (at most kMostFittedElements), with which

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <random>
 #include <regex>
 #include <set>
@@ -22,6 +23,7 @@
 #include "tagsmith/cli/tag_list.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/survey_exchange.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/exchange/drift_points.hpp"
@@ -146,6 +148,49 @@ TEST_CASE("export and new --from lose nothing of any tag") {
       CHECK(b.design_in_grid.has_value() == a.design_in_grid.has_value());
       if (a.design_in_grid) CHECK((*b.design_in_grid - *a.design_in_grid).norm() < 2e-6);
       CHECK((b.world_from_plate.rotation - a.world_from_plate.rotation).norm() < 0.02);
+    }
+  }
+}
+
+TEST_CASE("shipped surveys come back with directions and positions within their stated accuracy") {
+  struct Way {
+    const char* survey;
+    const char* file;
+    const char* options;
+  };
+  for (const Way& way :
+       {Way{"corridor", "c.csv", "--order own"}, Way{"corridor", "c.gsi", ""},
+        Way{"corridor", "c.landxml", ""}, Way{"corridor-table4", "c.gsi", ""},
+        Way{"curved", "c.csv", "--order own"}, Way{"curved", "c.gsi", ""},
+        Way{"curved", "c.gsi", "--walls measured"}, Way{"curved", "c.landxml", ""},
+        Way{"curved", "c.landxml", "--walls measured"}, Way{"drift", "c.csv", "--order own"}}) {
+    CAPTURE(std::string(way.survey));
+    CAPTURE(std::string(way.file));
+    CAPTURE(std::string(way.options));
+    const TemporaryFolder folder;
+    const fs::path survey = fs::path("surveys") / way.survey / "survey.yaml";
+    const fs::path list = folder.path() / way.file;
+    REQUIRE(run_tagsmith("export " + quoted(survey) + " -o " + quoted(list)).exit_code == 0);
+    const fs::path out = folder.path() / "out";
+    const std::string command =
+        "new " + quoted(out) + " --from " + quoted(list) + " " + way.options;
+    ProgramOutput made = run_tagsmith(command);
+    for (const char* unsaid : {" --tunnel-height 3", " --mount-height 0.5 --tunnel-height 3"}) {
+      if (made.exit_code == 2) made = run_tagsmith(command + unsaid);
+    }
+    REQUIRE_MESSAGE(made.exit_code != 2, made.err);
+    const Survey before = load_survey(survey).value();
+    const Survey after = load_survey(out / "survey.yaml").value();
+    CHECK(after.angle_sigma < radians(1));
+    REQUIRE(after.tags.size() == before.tags.size());
+    for (std::size_t i = 0; i < after.tags.size(); ++i) {
+      const PlacedTag& tag = after.tags[i];
+      CAPTURE(tag.name);
+      const double off = std::remainder(
+          facing_of(tag.world_from_plate) - facing_of(before.tags[i].world_from_plate),
+          2 * std::numbers::pi);
+      CHECK(std::abs(off) < 2 * after.angle_sigma + radians(0.001));
+      CHECK((tag.p_in_grid - before.tags[i].p_in_grid).norm() < std::max(tag.sigma, 1e-4));
     }
   }
 }

@@ -2,6 +2,9 @@
 #include "tagsmith/survey/fit_plan.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -33,4 +36,108 @@ TEST_CASE("a drive whose points begin in a tight bend is fitted as it is") {
     CHECK(1 / elements[0].curvature == doctest::Approx(radius).epsilon(1e-4));
     CHECK(elements[1].curvature == 0);
   }
+}
+
+namespace {
+
+struct Drive {
+  std::string name;
+  std::vector<CenterlineElement> elements;
+};
+
+std::vector<CenterlineElement> with_transition() {
+  std::vector<CenterlineElement> elements{{15, 0, 0}};
+  for (const CenterlineElement& arc : arcs_of_clothoid(9.5, 0, 1 / 12.0, 1)) {
+    elements.push_back(arc);
+  }
+  elements.push_back({10, 1 / 12.0, 0});
+  elements.push_back({15, 0, 0});
+  return elements;
+}
+
+constexpr double kHalfWidth = 2;
+constexpr double kPlateHalf = 0.165;
+
+// P of plates every two metres on both walls, measured with `noise` metres.
+std::vector<PlanPoint> surveyed_plates(const Centerline& line, double noise, std::mt19937& random) {
+  std::normal_distribution<double> error(0, noise);
+  std::vector<PlanPoint> points;
+  for (const int side : {-1, 1}) {
+    for (double chainage = 1; chainage < line.length() - 0.5; chainage += 2) {
+      const CenterlinePoint at = line.at(chainage);
+      const Eigen::Vector3d from_line =
+          side * (kHalfWidth * right_of(at.heading) + kPlateHalf * direction_of(at.heading));
+      const Eigen::Vector2d noise_of_p(error(random), error(random));
+      points.push_back(
+          {(at.position + from_line).head<2>() + noise_of_p, side, kPlateHalf, {}, points.size()});
+    }
+  }
+  return points;
+}
+
+// Of the wall where the plate with this P touches it.
+double heading_beside(const Centerline& line, const PlanPoint& plate) {
+  double heading = line.at(line.locate(plate.p).chainage).heading;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector2d middle =
+        plate.p - plate.side * kPlateHalf * direction_of(heading).head<2>();
+    heading = line.at(line.locate(middle).chainage).heading;
+  }
+  return heading;
+}
+
+}  // namespace
+
+TEST_CASE("the walls' direction at plates is right within its stated accuracy") {
+  const double hung_by_eye = radians(0.3);
+  std::mt19937 random(1);
+  for (const Drive& drive :
+       {Drive{"straight", {{40, 0, 0}}},
+        Drive{"bend", {{15, 0, 0}, {12 * radians(60), 1 / 12.0, 0}, {15, 0, 0}}},
+        Drive{"short line before a bend", {{2, 0, 0}, {8 * radians(90), 1 / 8.0, 0}}},
+        Drive{"wide bend", {{20, 0, 0}, {20, 1 / 150.0, 0}, {20, 0, 0}}},
+        Drive{"both ways", {{15, 0, 0}, {15, 1 / 30.0, 0}, {15, -1 / 20.0, 0}, {15, 0, 0}}},
+        Drive{"transition", with_transition()}}) {
+    CAPTURE(drive.name);
+    const Centerline line({10, 20, 0}, radians(30), drive.elements);
+    for (const double noise : {0.0005, 0.003}) {
+      CAPTURE(noise);
+      const std::vector<PlanPoint> plates = surveyed_plates(line, noise, random);
+      const auto fit = fit_plan(plates, 0.03, 12);
+      REQUIRE(fit);
+      CHECK(fit->heading_sigma < radians(3));
+      for (const PlanPoint& plate : plates) {
+        const double off = std::remainder(
+            heading_beside(fit->line, plate) - heading_beside(line, plate), 2 * std::numbers::pi);
+        CHECK(std::abs(off) < 3 * std::hypot(hung_by_eye, fit->heading_sigma));
+      }
+    }
+  }
+}
+
+TEST_CASE("a single pair before a bend says its direction within its stated accuracy") {
+  const Centerline line({10, 20, 0}, radians(30), {{2, 0, 0}, {8 * radians(90), 1 / 8.0, 0}});
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const std::vector<PlanPoint> plates = surveyed_plates(line, 0.002, random);
+    const auto fit = fit_plan(plates, 0.03, 12);
+    REQUIRE(fit);
+    CHECK(fit->heading_sigma < radians(3));
+    for (const PlanPoint& plate : plates) {
+      const double off = heading_beside(fit->line, plate) - heading_beside(line, plate);
+      CHECK(std::abs(off) < 3 * std::hypot(radians(0.3), fit->heading_sigma));
+    }
+  }
+}
+
+TEST_CASE("a slip within the tolerance does not bend the drive") {
+  const Centerline line({10, 20, 0}, radians(30), {{40, 0, 0}});
+  std::mt19937 random(1);
+  std::vector<PlanPoint> plates = surveyed_plates(line, 0.001, random);
+  plates[plates.size() / 2 - 1].p += Eigen::Vector2d(0.02, 0.015);  // the last left one
+  const auto fit = fit_plan(plates, 0.03, 12);
+  REQUIRE(fit);
+  REQUIRE(fit->line.elements().size() == 1);
+  CHECK(std::abs(fit->line.at(0).heading - radians(30)) < radians(0.02));
 }
