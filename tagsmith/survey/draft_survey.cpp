@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 #include <span>
+#include <string_view>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -139,25 +140,44 @@ std::string series_text(const TagSeries& series) {
       format_number(series.first), series.pairs);
 }
 
-// The scatter of the points across the fitted walls, one standard deviation; nothing where it does
-// not show how well they were measured: in walls that run through their points or are rougher than
-// any survey, for few points, for computed ones, and for plates to come.
-std::optional<double> scatter_across(const SurveyDraft& draft) {
+// How far points lie from the fitted walls, one standard deviation, metres.
+struct AcrossScatter {
+  std::string_view of;  // points of walls and tags, or tags alone
+  double sigma = 0;
+};
+
+// The scatter of all points, or that of the tags where it is greater: walls may be measured better,
+// or by another instrument. Nothing where it does not show how well they were measured: in walls
+// that run through their points or are rougher than any survey, for few points, for computed ones,
+// and for plates to come.
+std::optional<AcrossScatter> scatter_across(const SurveyDraft& draft) {
   constexpr double kRoughest = 0.03;
   constexpr double kFinest = 1e-4;  // lists are written to the millimetre or its tenth
   constexpr double kLeastFreedom = 5;
   const Tunnel& tunnel = draft.fit.tunnel;
   if (draft.series || draft.of_export) return std::nullopt;
   if (!tunnel.left.is_constant() || !tunnel.right.is_constant()) return std::nullopt;
-  const auto points = std::ranges::count_if(draft.fit.residuals, [](const PointResidual& residual) {
-    return residual.across.has_value();
-  });
+  double points = 0;
+  double tags = 0;
+  double squares_of_tags = 0;
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    const std::optional<double>& across = draft.fit.residuals[i].across;
+    if (!across) continue;
+    ++points;
+    if (!is_tag(draft.points[i])) continue;
+    ++tags;
+    squares_of_tags += *across * *across;
+  }
   // For a straight line with its width three numbers are fitted, for each further element two.
-  const auto elements = static_cast<double>(tunnel.centerline.elements().size());
-  const double freedom = static_cast<double>(points) - 1 - 2 * elements;
-  if (freedom < kLeastFreedom) return std::nullopt;
-  const double scatter = draft.fit.rms_across * std::sqrt(static_cast<double>(points) / freedom);
-  return scatter < kFinest || scatter > kRoughest ? std::nullopt : std::optional(scatter);
+  const double freedom = points - 1 - 2 * static_cast<double>(tunnel.centerline.elements().size());
+  if (freedom < kLeastFreedom || tags == 0) return std::nullopt;
+  const double fitted = std::sqrt(points / freedom);  // the fit took a part of all scatter
+  const double by_tags = std::sqrt(squares_of_tags / tags);
+  const AcrossScatter scatter = by_tags > draft.fit.rms_across
+                                    ? AcrossScatter{"tags", by_tags * fitted}
+                                    : AcrossScatter{"points", draft.fit.rms_across * fitted};
+  const bool tells = scatter.sigma >= kFinest && scatter.sigma <= kRoughest;
+  return tells ? std::optional(scatter) : std::nullopt;
 }
 
 // How well the directions of plates are known that follow the drafted walls: as hung by eye, and as
@@ -179,12 +199,12 @@ std::string tags_text(const SurveyDraft& draft) {
   std::string text = "tags:\n  template: " + draft.template_name + "\n";
   if (draft.series) text += series_text(*draft.series);
   if (const auto scatter = scatter_across(draft)) {
-    const double mm = std::max(1.0, std::ceil(1000 * *scatter));
+    const double mm = std::max(1.0, std::ceil(1000 * scatter->sigma));
     text += fmt::format(
-        "  sigma: {}   # of a coordinate: the points scatter by {:.1f} mm across from the fitted "
+        "  sigma: {}   # of a coordinate: the {} scatter by {:.1f} mm across from the fitted "
         "walls;\n"
         "                 # rounded up to a millimetre. Your instrument may tell better.\n",
-        format_number(mm / 1000), 1000 * *scatter);
+        format_number(mm / 1000), scatter->of, 1000 * scatter->sigma);
   }
   if (const auto angle = angle_sigma_of(draft)) {
     text += fmt::format(

@@ -271,6 +271,25 @@ TEST_CASE("points of walls, floor, roof and tags with 5 mm of noise become the t
   }
 }
 
+TEST_CASE("tags that scatter more than the walls say the draft's sigma") {
+  const TemporaryFolder folder;
+  PointWriter points = surveyed_drift(0.0005);
+  const auto is_tag_code = [](const auto& point) { return point.code.starts_with('T'); };
+  std::erase_if(points.points, is_tag_code);
+  PointWriter rougher(0.008, 2);
+  for (int i = 0; i < 20; ++i) {
+    rougher.add(4 + 3 * i, -2.1, 1.4, "TL");
+    rougher.add(4 + 3 * i, 2.1, 1.4, "TR");
+  }
+  points.points.insert(points.points.end(), rougher.points.begin(), rougher.points.end());
+  const ProgramOutput made = draft(folder.path(), points.text("PENZD"), "--order PENZD");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+  CHECK(survey.states_sigma);
+  CHECK(survey.sigma >= 0.007);
+  CHECK(survey.sigma <= 0.011);
+}
+
 TEST_CASE("walls that run through their points are drafted when they are asked for") {
   PointWriter points(0, 1);
   const auto left = [](double at) { return 2.0 + 0.02 * at; };
