@@ -330,7 +330,10 @@ Result<Drafted> make_draft(const NewOptions& options) {
   if (options.width) hold_width(draft.fit.tunnel, *options.width);
   draft.points = std::move(list->points);
   FindingLog log(options.points);
-  if (options.list.order != "own") check_heights(draft.points, draft.fit, log);
+  if (options.list.order != "own") {
+    check_heights(draft.points, draft.fit, log);
+    check_across(draft.points, draft.fit, log);
+  }
   std::ranges::move(log.sorted(), std::back_inserter(drafted.warnings));
   if (auto tags = complete_tags(options, list->survey, draft); !tags) {
     return fail(options.points + ": " + tags.error().message);

@@ -90,7 +90,17 @@ std::optional<double> apparent_height(const std::vector<SurveyedPoint>& points) 
   return median(std::move(heights));
 }
 
-// ---- Heights.
+// ---- Slips.
+
+constexpr double kTimes = 8;  // the scatter
+constexpr std::size_t kLeastOfKind = 7;
+
+// Of values among which some are slips, one standard deviation.
+double scatter_of(std::vector<double> values) {
+  constexpr double kSigmaOfMedian = 1.4826;
+  for (double& value : values) value = std::abs(value);
+  return kSigmaOfMedian * median(std::move(values));
+}
 
 struct HeightSlip {
   std::size_t index = 0;
@@ -101,13 +111,9 @@ struct HeightSlip {
 // Slips among the stations of one kind, in the order of the drive.
 std::vector<HeightSlip> slips_of(const std::vector<HeightStation>& stations) {
   constexpr double kLeastSlip = 0.03;
-  constexpr double kTimes = 8;
   constexpr double kAtEnds = 2;  // lines that are prolonged err more
-  constexpr double kSigmaOfMedian = 1.4826;
   const std::vector<double> offs = offs_from_neighbours(stations);
-  std::vector<double> sizes;
-  for (const double off : offs) sizes.push_back(std::abs(off));
-  const double sigma = kSigmaOfMedian * median(std::move(sizes));
+  const double sigma = scatter_of(offs);
   const double tolerance = std::max(kLeastSlip, kTimes * sigma);
   std::vector<HeightSlip> slips;
   for (std::size_t i = 0; i < offs.size(); ++i) {
@@ -116,6 +122,13 @@ std::vector<HeightSlip> slips_of(const std::vector<HeightStation>& stations) {
     slips.push_back({stations[i].index, offs[i], sigma});
   }
   return slips;
+}
+
+enum class PlanPart { tags, walls, line };
+
+PlanPart part_of(const SurveyedPoint& point) {
+  if (is_tag(point)) return PlanPart::tags;
+  return point.kind == PointKind::centerline ? PlanPart::line : PlanPart::walls;
 }
 
 }  // namespace
@@ -181,6 +194,36 @@ void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fi
                               point.name.substr(0, 60), to_string(kind), slip.off, slip.sigma),
                   "measure its height again, or take it out");
     }
+  }
+}
+
+void check_across(const std::vector<SurveyedPoint>& points, const TunnelFit& fit, FindingLog& log) {
+  constexpr double kLeastSlip = 0.003;
+  std::vector<double> all;
+  std::map<PlanPart, std::vector<double>> parts;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::optional<double>& across = fit.residuals[i].across;
+    if (!across || points[i].of_alignment) continue;
+    all.push_back(*across);
+    parts[part_of(points[i])].push_back(*across);
+  }
+  if (all.size() < kLeastOfKind) return;
+  std::map<PlanPart, double> sigmas;
+  for (const auto& [part, offs] : parts) {
+    sigmas[part] = scatter_of(offs.size() < kLeastOfKind ? all : offs);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const SurveyedPoint& point = points[i];
+    const std::optional<double>& across = fit.residuals[i].across;
+    if (!across || point.of_alignment) continue;
+    const double sigma = sigmas.at(part_of(point));
+    if (std::abs(*across) <= std::max(kLeastSlip, kTimes * sigma)) continue;
+    log.warning({point.line, 0}, "across-slip",
+                fmt::format("point {} ({}) lies {:.1f} mm to the {} of its place in the fitted "
+                            "tunnel; the others of its kind scatter by {:.1f} mm",
+                            point.name.substr(0, 60), to_string(point.kind),
+                            1000 * std::abs(*across), *across > 0 ? "right" : "left", 1000 * sigma),
+                "measure it again, or take it out");
   }
 }
 

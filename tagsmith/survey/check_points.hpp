@@ -26,4 +26,9 @@ std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& point
 // with fewer than seven points nothing is said.
 void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fit, FindingLog& log);
 
+// The same across the tunnel: for each point that lies further from where it was fitted than eight
+// times the scatter of the other tags, walls or center line (of all where these are fewer than
+// seven), and 3 mm. Points that were not fitted are not judged.
+void check_across(const std::vector<SurveyedPoint>& points, const TunnelFit& fit, FindingLog& log);
+
 }  // namespace tagsmith::detail

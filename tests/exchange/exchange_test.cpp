@@ -585,6 +585,26 @@ TEST_CASE("a slip of 100 mm in one height is named where the others keep to 3 mm
         std::string::npos);
 }
 
+TEST_CASE("a slip of 15 mm across is named where the others keep to 1 mm") {
+  for (const std::size_t index : {4U, 30U, 65U}) {  // walls, a tag
+    CAPTURE(index);
+    const TemporaryFolder folder;
+    PointWriter points = surveyed_drift(0.001);
+    points.points[index].p += 0.015 * right_of(radians(20));
+    const ProgramOutput made = draft(folder.path(), points.text("PENZD"), "--order PENZD");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    const std::string place = fmt::format("points.csv:{}: warning: ", index + 1);
+    CHECK_MESSAGE(made.err.find(place) != std::string::npos, made.err);
+    CHECK(made.err.find("[across-slip]") == made.err.rfind("[across-slip]"));
+  }
+  for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+    const TemporaryFolder folder;
+    const PointWriter good = surveyed_drift(0.003, seed);
+    CHECK(draft(folder.path(), good.text("PENZD"), "--order PENZD").err.find("across-slip") ==
+          std::string::npos);
+  }
+}
+
 TEST_CASE("a drive of 1.2 km is coded coarsely and says so, or is split") {
   const TemporaryFolder folder;
   const Centerline line({1000, 2000, 100}, radians(40),
