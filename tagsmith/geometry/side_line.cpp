@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tagsmith/base/statistics.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -75,6 +77,23 @@ double side_heading(const Centerline& line, const ChainageProfile& offset, doubl
   if (offset.is_constant()) return point.heading;
   const double slope = offset.slope(chainage - span / 2, chainage + span / 2);
   return point.heading + std::atan2(slope, 1 - point.curvature * offset.at(chainage));
+}
+
+double side_roughness(const ChainageProfile& offset, double span) {
+  constexpr double kStretch = 8;  // boards
+  constexpr double kShare = 0.8;
+  constexpr double kSigmas = 1.2816;  // within which this share of normal values lies
+  constexpr double kMostPlaces = 1e5;
+  const double first = offset.stations().front().chainage;
+  const double last = offset.stations().back().chainage;
+  const double half = kStretch * span / 2;
+  const double step = std::max(span, (last - first) / kMostPlaces);
+  std::vector<double> turns;
+  for (double at = first + half; at + half <= last; at += step) {
+    turns.push_back(std::abs(std::atan(offset.slope(at - span / 2, at + span / 2)) -
+                             std::atan(offset.slope(at - half, at + half))));
+  }
+  return turns.empty() ? 0 : quantile(turns, kShare) / kSigmas;
 }
 
 std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile& offset,

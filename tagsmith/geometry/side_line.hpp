@@ -18,6 +18,11 @@ namespace tagsmith::detail {
 double side_heading(const Centerline& line, const ChainageProfile& offset, double chainage,
                     double span);
 
+// How much the direction of such a board scatters about that of stretches eight times as long, one
+// standard deviation in radians: that of rough rock. Up to a fifth of the places may be corners,
+// where the side line turns with reason.
+double side_roughness(const ChainageProfile& offset, double span);
+
 // A corner of a side line drawn as straight pieces.
 struct SidePoint {
   double chainage = 0;

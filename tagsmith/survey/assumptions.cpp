@@ -2,6 +2,7 @@
 #include "tagsmith/survey/assumptions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -9,8 +10,22 @@
 #include <fmt/ranges.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/side_line.hpp"
 
 namespace tagsmith::detail {
+
+double usual_angle_sigma(const Tunnel& tunnel, const TagTemplate& tag) {
+  const double rough = std::max(side_roughness(tunnel.left, tag.plate_length),
+                                side_roughness(tunnel.right, tag.plate_length));
+  return radians(std::round(10 * degrees(std::hypot(kUsualAngleSigma, rough))) / 10);
+}
+
+double usual_angle_sigma(const Survey& survey) {
+  const bool follow = std::ranges::any_of(
+      survey.tags, [](const PlacedTag& tag) { return !tag.attitude || !tag.attitude->facing; });
+  return follow ? usual_angle_sigma(survey.tunnel, survey.tag_template) : kUsualAngleSigma;
+}
+
 CalibrationSigma usual_calibration(IntrinsicsSource source, int image_width) {
   CalibrationSigma sigma{.position = 0.005, .angle = radians(0.5), .edge = 0.1};
   switch (source) {

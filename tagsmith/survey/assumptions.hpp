@@ -18,6 +18,13 @@ inline constexpr double kUsualSigma = 0.003;  // of a surveyed coordinate, metre
 // A plate's attitude about each axis: hung by eye and spirit level.
 inline constexpr double kUsualAngleSigma = radians(0.3);
 
+// The same of plates on walls that are listed, where those are rough: a plate is placed along its
+// wall over its own length, and hangs by what the rock is like there. In tenths of degrees.
+double usual_angle_sigma(const Tunnel& tunnel, const TagTemplate& tag);
+
+// Of the survey's plates: only those without `facing` follow their wall.
+double usual_angle_sigma(const Survey& survey);
+
 // The source of a camera's focal length and principal point in a rig.
 enum class IntrinsicsSource { data_sheet, numbers, calibration_file };
 

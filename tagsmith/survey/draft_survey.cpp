@@ -180,18 +180,30 @@ std::optional<AcrossScatter> scatter_across(const SurveyDraft& draft) {
   return tells ? std::optional(scatter) : std::nullopt;
 }
 
-// How well the directions of plates are known that follow the drafted walls: as hung by eye, and as
-// the points determine the walls. Nothing where that is as usual, or the list states all
-// directions. Degrees.
-std::optional<double> angle_sigma_of(const SurveyDraft& draft) {
+// How well the directions of plates are known that follow the drafted walls, and why not better
+// than usual: the walls may be rough, and the points may determine them badly. Nothing where it is
+// as usual, or the list states all directions.
+struct DraftedAngle {
+  double sigma = 0;  // degrees
+  std::string why;
+};
+
+std::optional<DraftedAngle> angle_sigma_of(const SurveyDraft& draft) {
   const bool all_stated = std::ranges::all_of(draft.points, [](const SurveyedPoint& point) {
     return !is_tag(point) || (point.attitude && point.attitude->facing);
   });
   if (all_stated && !draft.series) return std::nullopt;
-  const double tenths =
-      std::round(10 * degrees(std::hypot(kUsualAngleSigma, draft.fit.heading_sigma)));
-  return tenths > std::round(10 * degrees(kUsualAngleSigma)) ? std::optional(tenths / 10)
-                                                             : std::nullopt;
+  const double on_walls = usual_angle_sigma(draft.fit.tunnel, draft.tag);
+  const double by_fit = draft.fit.heading_sigma;
+  const double sigma = std::round(10 * degrees(std::hypot(on_walls, by_fit))) / 10;
+  if (radians(sigma) <= kUsualAngleSigma) return std::nullopt;
+  if (on_walls > by_fit && on_walls > kUsualAngleSigma) {
+    return DraftedAngle{sigma,
+                        "the rock's direction under the plates scatters so;\n"
+                        "                 # say facing of plates that hang parallel to the drive"};
+  }
+  return DraftedAngle{sigma,
+                      fmt::format("the points determine the walls' to {:.1f}", degrees(by_fit))};
 }
 
 // The plate, and how well the points fit a tunnel of one width.
@@ -207,18 +219,18 @@ std::string tags_text(const SurveyDraft& draft) {
         format_number(mm / 1000), scatter->of, 1000 * scatter->sigma);
   }
   if (const auto angle = angle_sigma_of(draft)) {
-    text += fmt::format(
-        "  angle_sigma: {}   # of the plates' attitude, degrees: the points determine the walls' "
-        "direction to {:.1f}\n",
-        format_number(*angle), degrees(draft.fit.heading_sigma));
+    text += fmt::format("  angle_sigma: {}   # of the plates' direction, degrees: {}\n",
+                        format_number(angle->sigma), angle->why);
   }
   return text;
 }
 
-// The keys of an attitude that does not follow from the drafted wall.
+// The keys of an attitude that does not follow from the drafted wall; of a rough one nothing
+// follows.
 std::string attitude_keys(const SurveyDraft& draft, const SurveyedPoint& point) {
   constexpr double kSame = radians(0.02);
   if (!point.attitude) return {};
+  const bool rough = usual_angle_sigma(draft.fit.tunnel, draft.tag) > kUsualAngleSigma;
   const PlateAttitude& attitude = *point.attitude;
   const Pose on_wall = plate_on_wall(draft.fit.tunnel, draft.tag, point.tag->side,
                                      world_from_grid(draft.grid, point.in_grid));
@@ -229,7 +241,9 @@ std::string attitude_keys(const SurveyDraft& draft, const SurveyedPoint& point) 
     return std::string(", ") + name + ": " + format_number(degrees(angle));
   };
   std::string text;
-  if (std::abs(turned) > kSame) text += key("facing", *attitude.facing);
+  if (attitude.facing && (rough || std::abs(turned) > kSame)) {
+    text += key("facing", *attitude.facing);
+  }
   if (attitude.tilt != 0) text += key("tilt", attitude.tilt);
   if (attitude.roll != 0) text += key("roll", attitude.roll);
   return text;

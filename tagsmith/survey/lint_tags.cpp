@@ -14,6 +14,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/tag/drawing.hpp"
@@ -274,6 +275,20 @@ void lint_series(const Survey& survey, Place tags_place, FindingLog& log) {
         "the plate of template " + tag.name + " has no room for a label outside the feature frame",
         "a larger plate or a smaller frame; or label: { shown: false } in the template");
   }
+}
+
+void lint_walls(const Survey& survey, Place tags_place, FindingLog& log) {
+  constexpr double kTimes = 3;
+  const bool is_computed = survey.states_sigma && survey.sigma == 0;
+  const double usual = usual_angle_sigma(survey);
+  if (is_computed || usual <= std::max(kTimes * survey.angle_sigma, kUsualAngleSigma)) return;
+  log.warning(
+      tags_place, "rough-wall",
+      fmt::format("the walls' direction under the plates scatters by {} degrees, "
+                  "angle_sigma is {}",
+                  format_number(degrees(usual), 1), format_number(degrees(survey.angle_sigma), 2)),
+      fmt::format("angle_sigma: {}; or say how each plate hangs: facing",
+                  format_number(degrees(usual), 1)));
 }
 
 }  // namespace tagsmith::detail

@@ -30,4 +30,7 @@ void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place
 // its label.
 void lint_series(const Survey& survey, Place tags_place, FindingLog& log);
 
+// Plates that follow listed walls which are rougher under them than `angle_sigma` says.
+void lint_walls(const Survey& survey, Place tags_place, FindingLog& log);
+
 }  // namespace tagsmith::detail

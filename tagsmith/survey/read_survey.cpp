@@ -421,10 +421,8 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
   // A survey whose coordinates are stated to be exact is one of computed pictures: nobody hung its
   // plates by eye.
   const bool is_exact = survey.states_sigma && survey.sigma == 0;
-  const double usual_angle = is_exact ? 0 : degrees(kUsualAngleSigma);
   survey.states_angle_sigma = is_exact || tags.has("angle_sigma");
-  survey.angle_sigma =
-      radians(tags.number_or("angle_sigma", usual_angle, between(0, 45, "degrees")));
+  survey.angle_sigma = radians(tags.number_or("angle_sigma", 0, between(0, 45, "degrees")));
 
   const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"), "code",
                        {"check_digit", "resolution", "digits", "origin"}, log);
@@ -451,6 +449,8 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
   lint_series(survey, tags.place(), log);
   survey.tags.reserve(placed_tags.size());
   for (const SourcedTag& entry : placed_tags) survey.tags.push_back(entry.tag);
+  if (!survey.states_angle_sigma) survey.angle_sigma = usual_angle_sigma(survey);
+  lint_walls(survey, tags.place(), log);
   if (!log.has_errors()) lint_exchanged_codes(survey, {&survey, 1}, log);
   return survey;
 }

@@ -322,6 +322,51 @@ TEST_CASE("walls that run through their points are drafted when they are asked f
   CHECK_FALSE(tunnel.height.is_constant());
 }
 
+TEST_CASE(
+    "plates on rough rock face along the drive within the angle_sigma that their draft states") {
+  const double heading = radians(30);
+  const Centerline line({500, 1200, 312}, heading, {{40, 0, 0}});
+  for (const double roughness : {0.003, 0.01, 0.02}) {
+    CAPTURE(roughness);
+    std::mt19937 random(8);
+    std::normal_distribution<double> rock(0, roughness);
+    std::string csv;
+    const auto add = [&](double chainage, double offset, double height, const char* code) {
+      const CenterlinePoint at = line.at(chainage);
+      const Eigen::Vector3d p = at.position + offset * right_of(at.heading);
+      csv += fmt::format("p,{:.3f},{:.3f},{:.3f},{}\n", p.x(), p.y(), p.z() + height, code);
+    };
+    for (int i = 0; i <= 80; ++i) add(0.5 * i, -2 + rock(random), 1.2, "WL");
+    for (int i = 0; i <= 80; ++i) add(0.5 * i, 2 + rock(random), 1.2, "WR");
+    for (int i = 0; i <= 20; ++i) add(2 * i, 0, 0, "CL");
+    for (int i = 1; i < 19; ++i) add(2 * i, -1.99, 1.2, "TL");
+    for (int i = 1; i < 19; ++i) add(2 * i, 1.99, 1.2, "TR");
+    const TemporaryFolder folder;
+    const ProgramOutput made = draft(
+        folder.path(), csv, "--order PENZD --walls measured --tolerance 100 --tunnel-height 3");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    CHECK(made.err.find("rough-wall") == std::string::npos);
+    const fs::path file = folder.path() / "out" / "survey.yaml";
+    const Survey survey = load_survey(file).value();
+    CHECK(survey.states_angle_sigma);
+    CHECK(survey.angle_sigma < radians(4));
+    for (const PlacedTag& tag : survey.tags) {
+      const double away = tag.side == Side::left ? radians(90) : radians(-90);
+      const double off =
+          std::remainder(facing_of(tag.world_from_plate) - heading - away, 2 * std::numbers::pi);
+      CHECK(std::abs(off) < 3.5 * survey.angle_sigma);
+    }
+    if (roughness < 0.01) continue;
+    // The same walls, written by hand.
+    const std::string text = read_file(file).value();
+    const std::regex stated("  angle_sigma:.*\n.*\n");
+    write_text(file, std::regex_replace(text, stated, "  angle_sigma: 0.3\n"));
+    CHECK(run_tagsmith("validate " + quoted(file)).out.find("[rough-wall]") != std::string::npos);
+    write_text(file, std::regex_replace(text, stated, ""));
+    CHECK(load_survey(file).value().angle_sigma == Approx(survey.angle_sigma));
+  }
+}
+
 TEST_CASE("new says what validate says of its draft, and exits with 1 for errors") {
   const TemporaryFolder folder;
   PointWriter points = surveyed_drift(0);

@@ -10,6 +10,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 
 using namespace tagsmith::detail;
@@ -156,4 +157,15 @@ TEST_CASE("a board on a wall that opens stands along the wall, also on the outsi
   CHECK(side_heading(line, opening, 5, 0.4) == Approx(std::atan(0.1)));
   CHECK(side_heading(line, opening.scaled(-1), 5, 0.4) == Approx(-std::atan(0.1)));
   CHECK(side_heading(line, opening, 15, 0.4) == Approx(line.at(15).heading));
+}
+
+TEST_CASE("rough rock is told from bays and corners") {
+  CHECK(side_roughness(2, 0.4) == 0);
+  const ChainageProfile bay({{0, 2}, {18, 2}, {20, 3.5}, {30, 3.5}, {32, 2}, {60, 2.2}});
+  CHECK(side_roughness(bay, 0.4) < radians(0.05));
+  std::vector<ProfileStation> rock;
+  for (int i = 0; i < 120; ++i) rock.push_back({0.5 * i, 2 + (i % 2 == 0 ? 0.01 : -0.01)});
+  // From one station to the next the wall turns by 2.3 degrees to either side.
+  CHECK(side_roughness(ChainageProfile(rock), 0.4) > radians(1.2));
+  CHECK(side_roughness(ChainageProfile(rock), 0.4) < radians(2.4));
 }
