@@ -334,13 +334,14 @@ Result<Drafted> make_draft(const NewOptions& options) {
     check_heights(draft.points, draft.fit, log);
     check_across(draft.points, draft.fit, log);
   }
-  std::ranges::move(log.sorted(), std::back_inserter(drafted.warnings));
   if (auto tags = complete_tags(options, list->survey, draft); !tags) {
     return fail(options.points + ": " + tags.error().message);
   }
   Result<std::vector<DraftPart>> parts = parts_of(options, draft);
   if (!parts) return fail(options.points + ": " + parts.error().message);
   drafted.parts = std::move(*parts);
+  for (const DraftPart& part : drafted.parts) check_proposed(part.draft, log);
+  std::ranges::move(log.sorted(), std::back_inserter(drafted.warnings));
   return drafted;
 }
 

@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/centerline.hpp"
@@ -272,6 +273,33 @@ struct PairOfTags {
   std::vector<Eigen::Vector3d> positions;
 };
 
+struct WallPoint {
+  double chainage = 0;
+  int line = 0;  // of the list
+};
+
+struct WallGap {
+  int line = 0;       // of the list's point beside it
+  std::string where;  // chainages, in words
+};
+
+// The plates of the draft's series.
+std::vector<PlacedTag> proposed_tags(const SurveyDraft& draft) {
+  std::vector<PlacedTag> tags;
+  if (!draft.series) return tags;
+  Survey survey;
+  survey.grid = draft.grid;
+  survey.tunnel = draft.fit.tunnel;
+  survey.tag_template = draft.tag;
+  survey.series = draft.series;
+  for (int pair = 0; pair < draft.series->pairs; ++pair) {
+    for (const Side side : {Side::left, Side::right}) {
+      tags.push_back(place_in_series(survey, pair, side));
+    }
+  }
+  return tags;
+}
+
 std::vector<PairOfTags> pairs_of(const SurveyDraft& draft) {
   std::map<int, PairOfTags> pairs;
   const auto add = [&](int pair, double chainage, const Eigen::Vector3d& p_in_grid) {
@@ -284,22 +312,54 @@ std::vector<PairOfTags> pairs_of(const SurveyDraft& draft) {
     const SurveyedPoint& point = draft.points[i];
     if (is_tag(point)) add(point.tag->pair, draft.fit.residuals[i].chainage, point.in_grid);
   }
-  if (draft.series) {
-    Survey survey;
-    survey.grid = draft.grid;
-    survey.tunnel = draft.fit.tunnel;
-    survey.tag_template = draft.tag;
-    survey.series = draft.series;
-    for (int pair = 0; pair < draft.series->pairs; ++pair) {
-      for (const Side side : {Side::left, Side::right}) {
-        const PlacedTag tag = place_in_series(survey, pair, side);
-        add(pair, tag.chainage, tag.p_in_grid);
-      }
-    }
-  }
+  for (const PlacedTag& tag : proposed_tags(draft)) add(tag.pair, tag.chainage, tag.p_in_grid);
   std::vector<PairOfTags> result;
   for (auto& [number, pair] : pairs) result.push_back(std::move(pair));
   return result;
+}
+
+// ---- Stretches of a wall without points.
+
+// In the order of the drive.
+std::vector<WallPoint> points_of_wall(const SurveyDraft& draft, Side side) {
+  const PointKind wanted = side == Side::left ? PointKind::left_wall : PointKind::right_wall;
+  std::vector<WallPoint> wall;
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    if (draft.points[i].kind != wanted) continue;
+    wall.push_back({draft.fit.residuals[i].chainage, draft.points[i].line});
+  }
+  std::ranges::sort(wall, {}, &WallPoint::chainage);
+  return wall;
+}
+
+double usual_gap(const std::vector<WallPoint>& wall) {
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < wall.size(); ++i) {
+    gaps.push_back(wall[i].chainage - wall[i - 1].chainage);
+  }
+  return gaps.empty() ? 0 : quantile(gaps, 0.5);
+}
+
+// Where no point shows the wall beside a chainage, between which points; nothing where one does.
+std::optional<WallGap> gap_at(const std::vector<WallPoint>& wall, double chainage, double usual,
+                              double plate_length) {
+  constexpr double kTimes = 3;  // the usual gap
+  const auto next = std::ranges::upper_bound(wall, chainage, {}, &WallPoint::chainage);
+  const double beyond = std::max(usual, plate_length);
+  if (next == wall.begin()) {
+    if (next->chainage - chainage <= beyond) return std::nullopt;
+    return WallGap{next->line, fmt::format("before {:.1f} m", next->chainage)};
+  }
+  const WallPoint& before = *std::prev(next);
+  if (next == wall.end()) {
+    if (chainage - before.chainage <= beyond) return std::nullopt;
+    return WallGap{before.line, fmt::format("beyond {:.1f} m", before.chainage)};
+  }
+  if (next->chainage - before.chainage <= std::max(kTimes * usual, plate_length)) {
+    return std::nullopt;
+  }
+  return WallGap{before.line,
+                 fmt::format("between {:.1f} and {:.1f} m", before.chainage, next->chainage)};
 }
 
 // ---- Parts of a draft.
@@ -540,6 +600,42 @@ Result<TagSeries> propose_series(const Tunnel& tunnel, const TagTemplate& tag,
   if (count >= kMostTags / 2.0) return fail("more than a million plates: a wider --spacing");
   series.pairs = 1 + static_cast<int>(count);
   return series;
+}
+
+void check_proposed(const SurveyDraft& draft, FindingLog& log) {
+  const std::vector<PlacedTag> tags = proposed_tags(draft);
+  for (const Side side : {Side::left, Side::right}) {
+    const std::vector<WallPoint> wall = points_of_wall(draft, side);
+    if (wall.empty()) continue;
+    const double usual = usual_gap(wall);
+    struct Run {
+      WallGap gap;
+      std::string first;
+      std::string last;
+    };
+    std::vector<Run> runs;
+    for (const PlacedTag& tag : tags) {
+      if (tag.side != side) continue;
+      const Eigen::Vector3d middle =
+          tag.world_from_plate * Eigen::Vector3d(draft.tag.frame_inner_length / 2, 0, 0);
+      const double chainage = draft.fit.tunnel.centerline.locate(middle.head<2>()).chainage;
+      const auto gap = gap_at(wall, chainage, usual, draft.tag.plate_length);
+      if (!gap) continue;
+      if (runs.empty() || runs.back().gap.where != gap->where) {
+        runs.push_back({*gap, tag.name, tag.name});
+      }
+      runs.back().last = tag.name;
+    }
+    for (const Run& run : runs) {
+      const bool one = run.first == run.last;
+      log.warning(
+          {run.gap.line, 0}, "no-wall",
+          fmt::format("{}{}: no point of the {} wall {}, others are {:.1f} m apart",
+                      one ? "tag " : "tags ", one ? run.first : run.first + " to " + run.last,
+                      to_string(side), run.gap.where, usual),
+          "is there a wall? list points of it there, or hang no plates in the opening");
+    }
+  }
 }
 
 std::vector<Eigen::Vector3d> tag_positions(const SurveyDraft& draft) {

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/fit_tunnel.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -46,6 +47,10 @@ struct LayoutWish {
 // their end. Fails when not one pair fits.
 Result<TagSeries> propose_series(const Tunnel& tunnel, const TagTemplate& tag,
                                  const LayoutWish& wish);
+
+// Logs a warning for proposed plates where no point of the list shows their wall: beyond its first
+// and last points, and where these are more than three times as far apart as usual.
+void check_proposed(const SurveyDraft& draft, FindingLog& log);
 
 // The tags among the points that have no name, numbered on each wall in the order of their
 // chainages, from the first free pair on.

@@ -630,6 +630,32 @@ TEST_CASE("a slip of 100 mm in one height is named where the others keep to 3 mm
         std::string::npos);
 }
 
+TEST_CASE("plates that are proposed where no wall was surveyed are named") {
+  const auto said_without = [](double from, double to, const char* code) {
+    PointWriter points(0.003, 1);
+    for (int i = 0; i < 60; ++i) {
+      for (const char* wall : {"WL", "WR"}) {
+        const bool left_out = std::string(wall) == code && i > from && i < to;
+        if (!left_out) points.add(1 + i, wall == std::string("WL") ? -2.1 : 2.1, 1.3, wall);
+      }
+    }
+    for (int i = 0; i < 60; i += 3) points.add(1 + i, 0, 0, "FL");
+    const TemporaryFolder folder;
+    const ProgramOutput made = draft(folder.path(), points.text("PENZD"),
+                                     "--order PENZD --tunnel-height 3 --height 1.4 --spacing 1.6");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    return made.err;
+  };
+  CHECK(said_without(0, 0, "WR").find("no-wall") == std::string::npos);
+  const std::string side_drift = said_without(17, 25, "WR");
+  CHECK(side_drift.find("no point of the right wall between 17.4 and 25.4 m, others are 1.0 m "
+                        "apart [no-wall]") != std::string::npos);
+  CHECK(side_drift.find("tags 009R to 012R: ") != std::string::npos);
+  const std::string half = said_without(17, 60, "WL");
+  CHECK(half.find("no point of the left wall beyond 17.4 m") != std::string::npos);
+  CHECK(half.find("right wall") == std::string::npos);
+}
+
 TEST_CASE("a slip of 15 mm across is named where the others keep to 1 mm") {
   for (const std::size_t index : {4U, 30U, 65U}) {  // walls, a tag
     CAPTURE(index);
