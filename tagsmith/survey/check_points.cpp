@@ -112,14 +112,17 @@ struct HeightSlip {
 std::vector<HeightSlip> slips_of(const std::vector<HeightStation>& stations) {
   constexpr double kLeastSlip = 0.03;
   constexpr double kAtEnds = 2;  // lines that are prolonged err more
-  const std::vector<double> offs = offs_from_neighbours(stations);
-  const double sigma = scatter_of(offs);
+  const std::vector<NeighbourOff> offs = offs_from_neighbours(stations);
+  std::vector<double> all;
+  for (const NeighbourOff& beside : offs) all.push_back(beside.off / beside.uncertainty);
+  const double sigma = scatter_of(std::move(all));
   const double tolerance = std::max(kLeastSlip, kTimes * sigma);
   std::vector<HeightSlip> slips;
   for (std::size_t i = 0; i < offs.size(); ++i) {
+    const auto& [off, uncertainty] = offs[i];
     const bool at_end = i < kNeighboursBeside || i + kNeighboursBeside >= stations.size();
-    if (std::abs(offs[i]) <= (at_end ? kAtEnds : 1) * tolerance) continue;
-    slips.push_back({stations[i].index, offs[i], sigma});
+    if (std::abs(off) <= std::max(at_end ? kAtEnds : 1, uncertainty) * tolerance) continue;
+    slips.push_back({stations[i].index, off, sigma});
   }
   return slips;
 }

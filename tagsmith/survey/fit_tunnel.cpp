@@ -204,11 +204,12 @@ std::vector<std::size_t> likely_slips(const std::vector<HeightStation>& points) 
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return points[i].chainage; });
   std::vector<HeightStation> sorted;
   for (const std::size_t i : order) sorted.push_back(points[i]);
-  const std::vector<double> offs = offs_from_neighbours(sorted);
+  const std::vector<NeighbourOff> offs = offs_from_neighbours(sorted);
   std::vector<std::size_t> places(offs.size());
   std::iota(places.begin(), places.end(), 0U);
-  std::ranges::stable_sort(places, std::greater{},
-                           [&](std::size_t i) { return std::abs(offs[i]); });
+  std::ranges::stable_sort(places, std::greater{}, [&](std::size_t i) {
+    return std::abs(offs[i].off) / offs[i].uncertainty;
+  });
   places.resize(std::min(kMost, places.size()));
   for (std::size_t& place : places) place = order[place];
   return places;

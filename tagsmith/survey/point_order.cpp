@@ -2,6 +2,7 @@
 #include "tagsmith/survey/point_order.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -19,29 +20,36 @@ namespace tagsmith::detail {
 
 namespace {
 
-// The height of the stations' line at a chainage.
-double by_line(const std::vector<HeightStation>& stations, double chainage) {
-  constexpr double kApart = 1e-3;
+// Against the line through the others, in the order of their chainages.
+NeighbourOff off_from(const std::vector<HeightStation>& others, const HeightStation& station) {
+  constexpr double kNear = 0.1;  // of the stretch of all
+  const double apart = kNear * (others.back().chainage - others.front().chainage);
   std::vector<double> slopes;
-  for (std::size_t i = 0; i < stations.size(); ++i) {
-    for (std::size_t j = i + 1; j < stations.size(); ++j) {
-      const double run = stations[j].chainage - stations[i].chainage;
-      if (run > kApart) slopes.push_back((stations[j].height - stations[i].height) / run);
+  double mean = 0;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    mean += others[i].chainage / static_cast<double>(others.size());
+    for (std::size_t j = i + 1; j < others.size(); ++j) {
+      const double run = others[j].chainage - others[i].chainage;
+      if (run > apart) slopes.push_back((others[j].height - others[i].height) / run);
     }
   }
   const double slope = slopes.empty() ? 0 : median(std::move(slopes));
   std::vector<double> heights;
-  for (const HeightStation& station : stations) {
-    heights.push_back(station.height + slope * (chainage - station.chainage));
+  double squares = 0;
+  for (const HeightStation& other : others) {
+    heights.push_back(other.height + slope * (station.chainage - other.chainage));
+    squares += (other.chainage - mean) * (other.chainage - mean);
   }
-  return median(std::move(heights));
+  const double beyond = (station.chainage - mean) * (station.chainage - mean);
+  return {station.height - median(std::move(heights)),
+          beyond > 0 ? std::sqrt(1 + beyond / squares) : 1};
 }
 
 }  // namespace
 
-std::vector<double> offs_from_neighbours(const std::vector<HeightStation>& stations) {
+std::vector<NeighbourOff> offs_from_neighbours(const std::vector<HeightStation>& stations) {
   if (stations.size() <= 2 * kNeighboursBeside) return {};
-  std::vector<double> offs;
+  std::vector<NeighbourOff> offs;
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const std::size_t last = stations.size() - 1 - 2 * kNeighboursBeside;
     const std::size_t begin = std::min(i > kNeighboursBeside ? i - kNeighboursBeside : 0, last);
@@ -49,7 +57,7 @@ std::vector<double> offs_from_neighbours(const std::vector<HeightStation>& stati
     for (std::size_t j = begin; j <= begin + 2 * kNeighboursBeside; ++j) {
       if (j != i) beside.push_back(stations[j]);
     }
-    offs.push_back(stations[i].height - by_line(beside, stations[i].chainage));
+    offs.push_back(off_from(beside, stations[i]));
   }
   return offs;
 }

@@ -20,10 +20,19 @@ struct HeightStation {
   std::size_t index = 0;  // of the point
 };
 
-// How far each station lies above the line (Theil and Sen: the median slope of all pairs) through
-// its six neighbours, of which one or two may be wrong; at the ends that line is prolonged.
-// `stations` are in the order of their chainages. Nothing for fewer than seven.
-std::vector<double> offs_from_neighbours(const std::vector<HeightStation>& stations);
+// How far a station lies above the height that its neighbours say.
+struct NeighbourOff {
+  double off = 0;
+  // How much less sure that height is than amid the neighbours: a line is worth the less the
+  // farther it is prolonged.
+  double uncertainty = 1;
+};
+
+// Of each station against the line (Theil and Sen: the median slope of all pairs, but of those that
+// are too near each other to have one) through its six neighbours, of which one or two may be
+// wrong; at the ends that line is prolonged. `stations` are in the order of their chainages.
+// Nothing for fewer than seven.
+std::vector<NeighbourOff> offs_from_neighbours(const std::vector<HeightStation>& stations);
 
 // ---- Whether a list of surveyed points runs along the drive.
 

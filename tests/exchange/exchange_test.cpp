@@ -676,6 +676,19 @@ TEST_CASE("a slip of 15 mm across is named where the others keep to 1 mm") {
   }
 }
 
+TEST_CASE("roof points in cross sections are no slips of height") {
+  PointWriter points = surveyed_drift(0.003);
+  for (int section = 0; section < 20; ++section) {
+    for (const double offset : {-1.9, -1.0, 0.0, 1.0, 1.9}) {
+      points.add(3 * section, offset, 3.5 - 0.4 * std::abs(offset), "RF");
+    }
+  }
+  const TemporaryFolder folder;
+  const ProgramOutput made = draft(folder.path(), points.text("PENZD"), "--order PENZD");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  CHECK_MESSAGE(made.err.find("height-slip") == std::string::npos, made.err);
+}
+
 TEST_CASE("a drive of 1.2 km is coded coarsely and says so, or is split") {
   const TemporaryFolder folder;
   const Centerline line({1000, 2000, 100}, radians(40),
