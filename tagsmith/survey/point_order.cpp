@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "tagsmith/survey/expected_place.hpp"
+#include "tagsmith/survey/passes_over.hpp"
 
 namespace tagsmith::detail {
 
@@ -121,6 +122,24 @@ Points culprits(const Points& points, std::size_t detour) {
   return likely;
 }
 
+// A way that comes back near itself, more than a drive's height above: drives are wider than the
+// reach, and so are the pillars between the legs of a ramp.
+Result<void> check_passing(const Points& points) {
+  constexpr double kReach = 1.5;  // metres
+  constexpr double kRoom = 2;
+  std::vector<Eigen::Vector3d> way;
+  for (const SurveyedPoint* point : points) way.push_back(point->in_grid);
+  const std::optional<Passing> passing = passing_of(way, kReach, kRoom);
+  if (!passing) return {};
+  return fail(fmt::format(
+      "the drive passes {} itself: near {} it lies {:.1f} m {} where it is near {}; a survey holds "
+      "no such drive: make one of each turn, from lists that end before they come to lie {} an "
+      "earlier part",
+      passing->above > 0 ? "over" : "under", in_words(*points[passing->later]),
+      std::abs(passing->above), passing->above > 0 ? "above" : "below",
+      in_words(*points[passing->earlier]), passing->above > 0 ? "over" : "under"));
+}
+
 std::string names_of(const Points& points) {
   std::vector<std::string> names;
   for (const SurveyedPoint* point : points) names.push_back(in_words(*point));
@@ -138,7 +157,10 @@ Result<void> check_order(const std::vector<SurveyedPoint>& points) {
   }
   for (const auto& [kind, of_kind] : kinds) {
     const auto detour = first_detour(of_kind);
-    if (!detour) continue;
+    if (!detour) {
+      if (auto passing = check_passing(of_kind); !passing) return passing;
+      continue;
+    }
     const Points wrong = culprits(of_kind, *detour);
     const SurveyedPoint& at = *of_kind[*detour];
     return fail(fmt::format(

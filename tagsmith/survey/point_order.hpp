@@ -39,7 +39,7 @@ std::vector<NeighbourOff> offs_from_neighbours(const std::vector<HeightStation>&
 // Fails where the points of one kind run back by metres, and names the points of which one alone
 // explains it: usually two digits of a coordinate were exchanged. A fit would bend the tunnel
 // through such a point. Points with chainages and named tags may come in any order, and those of
-// floor and roof need not run along the drive.
+// floor and roof need not run along the drive. Fails, too, where a drive passes over itself.
 Result<void> check_order(const std::vector<SurveyedPoint>& points);
 
 }  // namespace tagsmith::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/read_tunnel.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -8,10 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/survey/limits.hpp"
+#include "tagsmith/survey/passes_over.hpp"
 
 namespace tagsmith::detail {
 
@@ -363,6 +367,30 @@ std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid
                     elements.elements);
 }
 
+// Places are found by their plan (Centerline::locate). False, and logged, where it has two of one.
+bool check_passing(const Tunnel& tunnel, Place place, FindingLog& log) {
+  constexpr double kMostSteps = 1e5;
+  const Centerline& line = tunnel.centerline;
+  const double reach = least_width(tunnel);
+  const double step = std::max(reach / 2, line.length() / kMostSteps);
+  std::vector<Eigen::Vector3d> way;
+  for (double at = 0; at < line.length(); at += step) way.push_back(line.at(at).position);
+  const std::optional<Passing> passing = passing_of(way, reach, tunnel.height.greatest());
+  if (!passing) return true;
+  const double later = static_cast<double>(passing->later) * step;
+  log.error(
+      place, "passes-over",
+      fmt::format("the drive passes {} itself: at chainage {:.1f} m it lies {:.1f} m {} where "
+                  "it is at chainage {:.1f} m",
+                  passing->above > 0 ? "over" : "under", later, std::abs(passing->above),
+                  passing->above > 0 ? "above" : "below",
+                  static_cast<double>(passing->earlier) * step),
+      fmt::format("a survey for each turn: end this one before chainage {:.0f} m and begin "
+                  "another there",
+                  std::floor(later)));
+  return false;
+}
+
 }  // namespace
 
 std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, FindingLog& log) {
@@ -374,7 +402,9 @@ std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, Findin
                "centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 10.0 } ] }"),
       grid, room, log);
   if (!room.left || !room.right || !room.height || !centerline) return std::nullopt;
-  return Tunnel{*centerline, *room.left, *room.right, *room.height, room.stand_off};
+  const Tunnel tunnel{*centerline, *room.left, *room.right, *room.height, room.stand_off};
+  if (!check_passing(tunnel, map.find("centerline")->place, log)) return std::nullopt;
+  return tunnel;
 }
 
 Grid read_grid(const YamlNode* node, FindingLog& log) {

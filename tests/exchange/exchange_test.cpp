@@ -676,6 +676,54 @@ TEST_CASE("a slip of 15 mm across is named where the others keep to 1 mm") {
   }
 }
 
+TEST_CASE("a drive that passes over itself is refused as that") {
+  struct Row {
+    const char* name;
+    double turn;  // degrees
+    bool passes;
+  };
+  for (const Row& row :
+       {Row{"a spiral", 500, true}, Row{"a loop that crosses its begin", 330, true},
+        Row{"a switchback", 180, false}}) {
+    CAPTURE(std::string(row.name));
+    const double radius = row.passes ? 20 : 5;  // the switchback's walls are 6 m apart
+    const Centerline line(
+        {500, 1200, 312}, 0,
+        {{20, 0, 0.14}, {radius * radians(row.turn), 1 / radius, 0.14}, {20, 0, 0.14}});
+    std::string csv;
+    for (const char* code : {"WL", "WR", "FL", "RF"}) {
+      for (double at = 0; at < line.length(); at += 2) {
+        const CenterlinePoint place = line.at(at);
+        const double offset = code == std::string("WL") ? -2 : code == std::string("WR") ? 2 : 0;
+        const double height = code == std::string("FL") ? 0 : code == std::string("RF") ? 3 : 1.2;
+        const Eigen::Vector3d p = place.position + offset * right_of(place.heading);
+        csv += fmt::format("p,{:.3f},{:.3f},{:.3f},{}\n", p.x(), p.y(), p.z() + height, code);
+      }
+    }
+    const TemporaryFolder folder;
+    const ProgramOutput made =
+        draft(folder.path(), csv, "--order PENZD --height 1.2 --spacing 1.6");
+    CHECK_MESSAGE(made.exit_code == (row.passes ? 2 : 0), made.err);
+    CHECK((made.err.find("the drive passes over itself") != std::string::npos) == row.passes);
+    const fs::path file = folder.path() / "ramp.yaml";
+    write_text(
+        file,
+        fmt::format(
+            "survey: ramp\ntunnel:\n  width: 4\n  height: 3\n  centerline:\n"
+            "    start: [500, 1200, 312]\n    heading: 0\n    elements:\n"
+            "      - {{ line: 20, grade: 14 }}\n"
+            "{}      - {{ line: 20, grade: 14 }}\n"
+            "tags: {{ template: tag-400x300, height: 1.2, spacing: 1.6, first: 1, pairs: 3 }}\n"
+            "code: {{ check_digit: gs1, digits: [4, 4, 3], origin: [450, 1150, 300] }}\n",
+            fmt::format("      - {{ arc: {}, turn: right, angle: {}, grade: 14 }}\n"
+                        "      - {{ arc: {}, turn: right, angle: {}, grade: 14 }}\n",
+                        radius, row.turn / 2, radius, row.turn / 2)));
+    const std::string said = run_tagsmith("validate " + quoted(file)).out;
+    CHECK_MESSAGE((said.find("[passes-over]") != std::string::npos) == row.passes, said);
+    CHECK(said.find("roof") == std::string::npos);  // of another turn
+  }
+}
+
 TEST_CASE("roof points in cross sections are no slips of height") {
   PointWriter points = surveyed_drift(0.003);
   for (int section = 0; section < 20; ++section) {
