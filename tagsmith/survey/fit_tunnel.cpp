@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
@@ -287,9 +288,31 @@ std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& all, const P
   return std::nullopt;
 }
 
+// Whether most tags lie at points of the other wall.
+bool tags_are_exchanged(const std::vector<PlanPoint>& fitted) {
+  constexpr std::size_t kMostPoints = 500;
+  std::vector<PlanPoint> walls;
+  std::vector<PlanPoint> tags;
+  for (const PlanPoint& point : fitted) {
+    if (point.side != 0) (point.plate_half > 0 ? tags : walls).push_back(point);
+  }
+  walls = evenly_taken(std::move(walls), kMostPoints);
+  tags = evenly_taken(std::move(tags), kMostPoints);
+  const auto at_other_wall = std::ranges::count_if(tags, [&](const PlanPoint& tag) {
+    const auto nearest = std::ranges::min_element(
+        walls, {}, [&](const PlanPoint& wall) { return (wall.p - tag.p).squaredNorm(); });
+    return nearest != walls.end() && nearest->side != tag.side;
+  });
+  return 5 * at_other_wall > 4 * std::ssize(tags);
+}
+
 // Plates, whose offsets the list states, are not rough.
 std::string advice_on(const std::vector<PlanPoint>& fitted, const PlanFit& fit, std::size_t off,
                       double tolerance, bool says_offsets) {
+  if (tags_are_exchanged(fitted)) {
+    return "\nthe tags lie at points of the other wall: "
+           "are left and right exchanged in their names, or in WL and WR?";
+  }
   if (off * 4 <= fitted.size()) return "\nmeasure these again, or take them out";
   const auto rough = says_offsets ? std::nullopt : roughness_of(fitted, fit, tolerance);
   std::string text;
@@ -421,6 +444,11 @@ Result<WallPlan> plan_of_walls(const std::vector<SurveyedPoint>& points, const G
     return point.kind == PointKind::centerline || point.offset;
   });
   Result<WallPlan> plan = fit(options.measured_walls && has_line);
+  if (!plan && options.measured_walls && !has_line && !options.alignment) {
+    return fail(plan.error().message +
+                "\nor list points CL of the center line: then walls of any shape run through their "
+                "points");
+  }
   if (plan) plan->measured_walls = options.measured_walls;
   if (plan || options.measured_walls || !says_offsets(points)) return plan;
   Result<WallPlan> by_offsets = fit(true);
@@ -600,6 +628,20 @@ Result<void> measure_walls(Tunnel& tunnel, const std::vector<SurveyedPoint>& poi
   return {};
 }
 
+// Where only the floor is known, nothing tells how the drive bends: the reason, in words.
+std::string beyond_walls(const WallPlan& plan, const std::vector<double>& chainages,
+                         const HeightStation& station) {
+  std::vector<double> known;
+  for (const PlanPoint& point : plan.points) known.push_back(chainages[point.index]);
+  const auto [first, last] = std::ranges::minmax(known);
+  const double beyond = std::max(first - station.chainage, station.chainage - last);
+  if (beyond < 1) return "";
+  return fmt::format(
+      "; it lies {:.0f} m beyond the points of walls, tags and center line: list some there, or "
+      "leave such floor points out",
+      beyond);
+}
+
 // The height of the roof above the floor: at its points (RF), or as the list states it.
 Result<ChainageProfile> fit_roof(const Centerline& line, const std::vector<SurveyedPoint>& points,
                                  const Grid& grid, bool measured_walls,
@@ -689,9 +731,10 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   }
   Eigen::Index worst = 0;
   if (floor.ups.cwiseAbs().maxCoeff(&worst) > options.floor_tolerance) {
-    return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
-                            in_words(points[on_floor[static_cast<std::size_t>(worst)].index]),
-                            floor.ups[worst], options.floor_tolerance));
+    const HeightStation& station = on_floor[static_cast<std::size_t>(worst)];
+    return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m{}",
+                            in_words(points[station.index]), floor.ups[worst],
+                            options.floor_tolerance, beyond_walls(*plan, chainages, station)));
   }
   fit.rms_across = rms(Eigen::Map<const VectorXd>(
       plan->fit.residuals.data(), static_cast<Eigen::Index>(plan->fit.residuals.size())));

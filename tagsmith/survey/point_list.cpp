@@ -76,6 +76,15 @@ Result<std::vector<std::string>> columns_of_order(const std::string& order) {
   return columns;
 }
 
+// What may be wrong with a field that is no number.
+std::string number_hint(const std::string& field) {
+  const bool has_letters = field.find_first_not_of("+-0123456789., '") != std::string::npos;
+  if (has_letters || field.empty()) return "does the first line name the columns? then --header";
+  const auto signs = std::ranges::count_if(field, [](char c) { return c == '.' || c == ','; });
+  const bool grouped = signs > 1 || field.find_first_of(" '") != std::string::npos;
+  return grouped ? "write numbers without signs between the thousands" : "decimal signs are points";
+}
+
 // One line with its columns by name.
 class ListRow {
  public:
@@ -97,11 +106,9 @@ class ListRow {
     if (comma_ && field.find('.') == std::string::npos) std::ranges::replace(field, ',', '.');
     const std::optional<double> value = parse_number(field);
     if (value && std::abs(*value) <= kFarthestInMillimetres) return value;
-    const bool comma = field.find(',') != std::string::npos;
-    error(
-        column, "bad-number",
-        column + " is `" + field.substr(0, 60) + "`, expected a number of metres",
-        comma ? "decimal signs are points" : "does the first line name the columns? then --header");
+    error(column, "bad-number",
+          column + " is `" + field.substr(0, 60) + "`, expected a number of metres",
+          number_hint(text(column)));
     return std::nullopt;
   }
 
@@ -395,6 +402,26 @@ std::optional<char> separator_of(std::string_view text, std::size_t least, Findi
   return std::nullopt;
 }
 
+// Whether a line by commas has decimal commas, too: each coordinate is two fields of digits.
+bool has_decimal_commas(const std::vector<std::string>& fields,
+                        const std::vector<std::string>& columns) {
+  const auto are_digits = [](std::string_view field) {
+    return !field.empty() && field.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  std::size_t next = 0;
+  std::size_t coordinates = 0;
+  for (const std::string& column : columns) {
+    const bool is_coordinate = column == "x" || column == "y" || column == "z";
+    if (is_coordinate && (next + 1 >= fields.size() || !parse_integer(fields[next]) ||
+                          !are_digits(fields[next + 1]))) {
+      return false;
+    }
+    coordinates += is_coordinate ? 1 : 0;
+    next += is_coordinate ? 2 : 1;
+  }
+  return coordinates > 0 && next == fields.size();
+}
+
 void read_table(std::string_view text, const PointListOptions& options,
                 std::vector<std::string> columns, PointList& list, FindingLog& log) {
   const bool own = options.order == "own";
@@ -418,7 +445,13 @@ void read_table(std::string_view text, const PointListOptions& options,
     } else if (fields->size() < columns.size()) {
       log.error({number, 0}, "wrong-length",
                 "the line has " + std::to_string(fields->size()) + " fields, expected " +
-                    std::to_string(columns.size()));
+                    std::to_string(columns.size()),
+                "take out lines that are no points");
+    } else if (!own && *separator == ',' && has_decimal_commas(*fields, columns)) {
+      log.error({number, 0}, "bad-number",
+                "the line has commas between the columns and in its numbers",
+                "with decimal commas, semicolons or tabs between the columns");
+      return false;
     } else if (list.points.size() == kMostPoints) {
       log.error({number, 0}, "too-many-points", "more than a million points", "divide the file");
       return false;

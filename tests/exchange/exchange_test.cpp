@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surveys out to other programs and back from surveyed points.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -446,6 +447,16 @@ TEST_CASE("what fits no tunnel is refused with its point and its line, and nothi
   std::erase_if(no_roof.points, [](const auto& point) { return point.code == "RF"; });
   PointWriter floor_jump = good;
   floor_jump.points[50].p.z() += 2;
+  PointWriter floor_beyond = good;
+  floor_beyond.add(110, 0, 1, "FL");
+  PointWriter exchanged_tags = good;
+  for (auto& point : exchanged_tags.points) {
+    if (point.code.starts_with('T')) point.code = point.code == "TL" ? "TR" : "TL";
+  }
+  PointWriter bay = good;
+  for (std::size_t i = 34; i < 42; ++i) bay.points[i].p += 1.5 * right_of(radians(-10));
+  std::string decimal_commas = good.text("PENZD");
+  std::ranges::replace(decimal_commas, '.', ',');
   struct Row {
     const char* name;
     std::string csv;
@@ -464,6 +475,17 @@ TEST_CASE("what fits no tunnel is refused with its point and its line, and nothi
         Row{"no floor", no_floor.text("PENZD"), "PENZD", "--mount-height"},
         Row{"no roof", no_roof.text("PENZD"), "PENZD", "--tunnel-height"},
         Row{"a wrong floor height", floor_jump.text("PENZD"), "PENZD", "line 51: point 51 (floor)"},
+        Row{"a floor beyond the walls", floor_beyond.text("PENZD"), "PENZD",
+            "beyond the points of walls"},
+        Row{"tags of the other side", exchanged_tags.text("PENZD"), "PENZD",
+            "are left and right exchanged in their names"},
+        Row{"a bay without a center line", bay.text("PENZD"), "PENZD", "or list points CL",
+            " --walls measured"},
+        Row{"decimal commas", decimal_commas, "PENZD", "with decimal commas, semicolons or tabs"},
+        Row{"points between thousands", "1;1.200,5;2,5;3,5;WL\n2;1.210,5;2,5;3,5;WL\n", "PENZD",
+            "without signs between the thousands"},
+        Row{"a comment", "# surveyed\n" + good.text("PENZD"), "PENZD",
+            "take out lines that are no points"},
         Row{"a header", "point,east,north,z,code\n" + good.text("PENZD"), "PENZD", "--header"},
         Row{"another separator", "1 2 3 4 WL\n", "PENZD", "1 by commas"},
         Row{"nothing", "", "PENZD", "has no points"},
