@@ -272,6 +272,38 @@ TEST_CASE("points of walls, floor, roof and tags with 5 mm of noise become the t
   }
 }
 
+TEST_CASE("grades follow a sag as far as the floor's points show it, and not their noise") {
+  struct Row {
+    double sag;  // metres over 40 m
+    double noise;
+    double off;
+    std::size_t elements;
+  };
+  for (const Row& row : {Row{0.75, 0.003, 0.018, 13}, Row{0, 0.025, 0.03, 2}}) {
+    CAPTURE(row.sag);
+    std::mt19937 random(3);
+    std::normal_distribution<double> error(0, row.noise);
+    const auto height = [&](double at) { return row.sag * std::pow(at / 20 - 1, 2); };
+    std::string csv;
+    for (int i = 0; i <= 40; ++i) {
+      csv += fmt::format("p,-2,{},1,WL\np,2,{},1,WR\np,0,{},{:.3f},FL\n", i, i, i,
+                         height(i) + error(random));
+    }
+    const TemporaryFolder folder;
+    const ProgramOutput made =
+        draft(folder.path(), csv, "--order PENZD --tunnel-height 3 --height 1.4 --spacing 1.6");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+    const Centerline& line = survey.tunnel.centerline;
+    CHECK(line.elements().size() <= row.elements);
+    for (double at = 0; at <= 40; at += 0.5) {
+      CAPTURE(at);
+      const double chainage = line.locate({0, at}).chainage;
+      CHECK(std::abs(line.at(chainage).position.z() - height(at)) < row.off);
+    }
+  }
+}
+
 TEST_CASE("tags that scatter more than the walls say the draft's sigma") {
   const TemporaryFolder folder;
   PointWriter points = surveyed_drift(0.0005);
