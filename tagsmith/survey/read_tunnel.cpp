@@ -374,7 +374,8 @@ bool check_passing(const Tunnel& tunnel, Place place, FindingLog& log) {
   const double reach = least_width(tunnel);
   const double step = std::max(reach / 2, line.length() / kMostSteps);
   std::vector<Eigen::Vector3d> way;
-  for (double at = 0; at < line.length(); at += step) way.push_back(line.at(at).position);
+  const auto steps = static_cast<int>(line.length() / step);
+  for (int i = 0; i <= steps; ++i) way.push_back(line.at(i * step).position);
   const std::optional<Passing> passing = passing_of(way, reach, tunnel.height.greatest());
   if (!passing) return true;
   const double later = static_cast<double>(passing->later) * step;
