@@ -33,6 +33,65 @@ HungTags check_rows(const std::vector<Observation>& rows, const std::vector<Surv
   return hung_as_surveyed(surveys[survey], rig, pick.taken());
 }
 
+// ---- Surveys together: tags of one may show what hangs wrong in another.
+
+bool has_plates_of_one_size(const Survey& a, const Survey& b) {
+  return a.tag_template.frame_inner_length == b.tag_template.frame_inner_length &&
+         a.tag_template.frame_inner_height == b.tag_template.frame_inner_height;
+}
+
+// The tags of all surveys, which are in one grid, whose plates are as large as the first one's;
+// each is named SURVEY/TAG.
+Survey joined(const std::vector<Survey>& surveys) {
+  Survey all = surveys.front();
+  all.tags.clear();
+  for (const Survey& survey : surveys) {
+    if (!has_plates_of_one_size(survey, surveys.front())) continue;
+    all.angle_sigma = std::max(all.angle_sigma, survey.angle_sigma);
+    all.states_angle_sigma = all.states_angle_sigma && survey.states_angle_sigma;
+    for (PlacedTag tag : survey.tags) {
+      tag.name.insert(0, survey.name + "/");
+      all.tags.push_back(std::move(tag));
+    }
+  }
+  return all;
+}
+
+// The rows with all tags as those of the joined surveys.
+std::vector<Observation> joined_rows(std::vector<Observation> rows,
+                                     const std::vector<Survey>& surveys) {
+  for (Observation& row : rows) {
+    for (SeenTag& seen : row.tags) {
+      seen.tag.name.insert(0, surveys[seen.survey].name + "/");
+      seen.survey = 0;
+    }
+  }
+  return rows;
+}
+
+// The tags that hang elsewhere by the tags of all surveys.
+std::vector<SetAside> aside_by_all(const std::vector<Observation>& rows,
+                                   const std::vector<Survey>& surveys, const Rig& rig) {
+  std::vector<SetAside> aside;
+  if (surveys.size() < 2) return aside;
+  const Survey all = joined(surveys);
+  const HungTags hung = check_rows(joined_rows(rows, surveys), {all}, 0, rig);
+  if (hung.nothing_fits) return aside;
+  for (const HungTag& tag : hung.tags) {
+    if (tag.verdict != HangVerdict::off) continue;
+    const std::string survey = tag.tag.substr(0, tag.tag.find('/'));
+    const auto of = std::ranges::find(surveys, survey, &Survey::name) - surveys.begin();
+    const std::string name = tag.tag.substr(survey.size() + 1);
+    aside.push_back({static_cast<std::size_t>(of),
+                     name,
+                     "moved",
+                     name + " hangs elsewhere than survey " + survey +
+                         " says, by tags of other surveys: measure it again, or hang it there",
+                     {}});
+  }
+  return aside;
+}
+
 // By the rows of the survey whose tags are seen most.
 std::optional<RigSuspicion> suspicion_of(std::vector<Observation> rows,
                                          const std::vector<Survey>& surveys, const Rig& rig) {
@@ -100,6 +159,10 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
       for (const HungTag& tag : station.tags) add(tag, {&row, 1});
     }
     for (const HungTag& tag : hung.tags) add(tag, all);
+  }
+  for (SetAside& aside : aside_by_all(rows, surveys, rig)) {
+    take_out(rows, all, aside);
+    if (!aside.rows.empty()) result.aside.push_back(std::move(aside));
   }
   return result;
 }

@@ -33,8 +33,9 @@ struct RunCheck {
 };
 
 // Whether the rows contradict the rig (suspect_rig, by the survey whose tags are seen most); if
-// they do not, what hung_as_surveyed reports as certain, survey by survey: removes these tags from
-// the rows, and adds a fault to each that says so. Doubtful tags stay.
+// they do not, what hung_as_surveyed reports as certain, survey by survey, then by all surveys'
+// tags together: removes these tags from the rows, and adds a fault to each that says so. Doubtful
+// tags stay.
 RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
                              const Rig& rig);
 

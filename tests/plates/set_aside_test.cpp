@@ -72,6 +72,36 @@ TEST_CASE("a drive sets a plate aside once it is certain of it, and by it no pos
                              [&](const auto& name) { return name == moved.name; }));
 }
 
+TEST_CASE("a plate that only tags of another survey contradict is set aside, too") {
+  const test::Site site = wide_site();
+  test::Site hung = site;
+  PlacedTag& moved = hung.survey.tags[hung.survey.tags.size() / 2];
+  moved.world_from_plate.translation.y() += 0.15;
+  std::vector<Survey> surveys{site.survey, site.survey};
+  surveys[0].name = "near";
+  surveys[1].name = "far";
+  const auto is_moved = [&](const PlacedTag& tag) { return tag.name == moved.name; };
+  std::erase_if(surveys[0].tags, is_moved);
+  std::erase_if(surveys[1].tags, [&](const PlacedTag& tag) { return !is_moved(tag); });
+  for (const bool hangs_right : {false, true}) {
+    std::vector<Observation> rows = drive_past_hung(site, hangs_right ? site : hung);
+    for (Observation& row : rows) {
+      for (SeenTag& seen : row.tags) seen.survey = is_moved(seen.tag) ? 1 : 0;
+    }
+    const RunCheck check = set_aside_misplaced(rows, surveys, site.rig);
+    CHECK(check.aside.size() == (hangs_right ? 0 : 1));
+    for (const SetAside& aside : check.aside) {
+      CHECK(aside.survey == 1);
+      CHECK(aside.tag == moved.name);
+      CHECK(aside.rule == "moved");
+      CHECK_FALSE(aside.rows.empty());
+    }
+    for (const Observation& row : rows) {
+      for (const SeenTag& seen : row.tags) CHECK((hangs_right || !is_moved(seen.tag)));
+    }
+  }
+}
+
 TEST_CASE("a drive past plates that hang as surveyed sets none aside") {
   const test::Site site = wide_site();
   const Lived lived = live(drive_past_hung(site, site), site);
