@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -745,19 +746,19 @@ double beyond_ends(const Fix& fix, const std::vector<Survey>& surveys) {
 }
 
 // By the same tags in the tunnel of each survey of which a tag is in sight: the fix that lies in
-// its tunnel.
+// its tunnel. In several tunnels, as at a crossing, the ranges tell to whose walls they were
+// measured.
 Fix localize_at_home(const Observation& observation, const std::vector<Survey>& surveys,
                      const Rig& rig, const std::vector<std::size_t>& homes) {
-  std::optional<Fix> best;
+  std::vector<Fix> fixes;
   for (const std::size_t home : homes) {
-    Fix fix = localize_in(observation, surveys, home, rig);
-    const bool is_better =
-        !best ||
-        (fix.position_in_grid &&
-         (!best->position_in_grid || beyond_ends(fix, surveys) < beyond_ends(*best, surveys)));
-    if (is_better) best = std::move(fix);
+    fixes.push_back(localize_in(observation, surveys, home, rig));
   }
-  return *std::move(best);
+  const auto rank = [&](const Fix& fix) {
+    const bool located = fix.position_in_grid.has_value();
+    return std::tuple(!located, located ? beyond_ends(fix, surveys) : 0, -std::ssize(fix.ranges));
+  };
+  return *std::ranges::min_element(fixes, {}, rank);
 }
 
 // Where none of these has a position: in the tunnel of a survey of which no tag is in sight, as
