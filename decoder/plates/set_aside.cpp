@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "decoder/localize/repeated_pictures.hpp"
 #include "decoder/plates/hung_tags.hpp"
 #include "decoder/plates/sightings.hpp"
@@ -82,12 +84,11 @@ std::vector<SetAside> aside_by_all(const std::vector<Observation>& rows,
     const std::string survey = tag.tag.substr(0, tag.tag.find('/'));
     const auto of = std::ranges::find(surveys, survey, &Survey::name) - surveys.begin();
     const std::string name = tag.tag.substr(survey.size() + 1);
-    aside.push_back({static_cast<std::size_t>(of),
-                     name,
-                     "moved",
-                     name + " hangs elsewhere than survey " + survey +
-                         " says, by tags of other surveys: measure it again, or hang it there",
-                     {}});
+    std::string message = fmt::format(
+        "{} hangs elsewhere than survey {} says, by tags of other surveys: measure it again, or "
+        "hang it there",
+        name, survey);
+    aside.push_back({static_cast<std::size_t>(of), name, "moved", std::move(message), {}});
   }
   return aside;
 }
