@@ -61,8 +61,9 @@ Result<TagPair> choose_pair(const std::vector<RangedTag>& lefts,
       if (can_be_paired(left, right) && (!best || rank_of(pair) < rank_of(*best))) best = pair;
     }
   }
-  if (!best) return fail("the tags on the left and right walls were not seen by different cameras");
-  return *best;
+  if (best) return *best;
+  return fail(
+      "no two tags of one survey on the left and right walls were seen by different cameras");
 }
 
 // The least of the ranges to the left wall (Xu et al.: of the three sensors), without those outside

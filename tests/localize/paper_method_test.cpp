@@ -496,7 +496,7 @@ TEST_CASE("what is missing or wrong is the reason") {
   changed = good;
   for (SeenTag& seen : changed.tags) seen.camera = "left";
   CHECK(reason(changed) ==
-        "the tags on the left and right walls were not seen by different cameras");
+        "no two tags of one survey on the left and right walls were seen by different cameras");
   changed = good;
   changed.ranges.clear();
   CHECK(reason(changed) == "no range to the left wall was measured");
