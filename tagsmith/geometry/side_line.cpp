@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "tagsmith/base/statistics.hpp"
@@ -80,9 +81,11 @@ double side_heading(const Centerline& line, const ChainageProfile& offset, doubl
 }
 
 double side_roughness(const ChainageProfile& offset, double span) {
-  constexpr double kStretch = 8;  // boards
+  constexpr double kStretch = 8;       // boards
+  constexpr std::size_t kPlaces = 28;  // in a row: beside the end of a bay, fewer than half
+  constexpr double kSigmas = 0.6745;   // within which half of normal values lie
   constexpr double kShare = 0.8;
-  constexpr double kSigmas = 1.2816;  // within which this share of normal values lies
+  constexpr double kSigmasOfShare = 1.2816;
   constexpr double kMostPlaces = 1e5;
   const double first = offset.stations().front().chainage;
   const double last = offset.stations().back().chainage;
@@ -93,7 +96,17 @@ double side_roughness(const ChainageProfile& offset, double span) {
     turns.push_back(std::abs(std::atan(offset.slope(at - span / 2, at + span / 2)) -
                              std::atan(offset.slope(at - half, at + half))));
   }
-  return turns.empty() ? 0 : quantile(turns, kShare) / kSigmas;
+  if (turns.empty()) return 0;
+  std::vector<double> all = turns;
+  double greatest = quantile(all, kShare) / kSigmasOfShare;
+  for (std::size_t begin = 0; begin < turns.size(); begin += kPlaces / 4) {
+    const std::size_t end = std::min(begin + kPlaces, turns.size());
+    std::vector<double> part(turns.begin() + static_cast<std::ptrdiff_t>(begin),
+                             turns.begin() + static_cast<std::ptrdiff_t>(end));
+    greatest = std::max(greatest, quantile(part, 0.5) / kSigmas);
+    if (end == turns.size()) break;
+  }
+  return greatest;
 }
 
 std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile& offset,

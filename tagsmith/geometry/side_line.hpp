@@ -19,8 +19,9 @@ double side_heading(const Centerline& line, const ChainageProfile& offset, doubl
                     double span);
 
 // How much the direction of such a board scatters about that of stretches eight times as long, one
-// standard deviation in radians: that of rough rock. Up to a fifth of the places may be corners,
-// where the side line turns with reason.
+// standard deviation in radians: that of rough rock, on the whole or where it is roughest. Corners,
+// where the side line turns with reason, count only where a fifth of all boards, or half of 28 in a
+// row, lie beside one.
 double side_roughness(const ChainageProfile& offset, double span);
 
 // A corner of a side line drawn as straight pieces.

@@ -168,4 +168,10 @@ TEST_CASE("rough rock is told from bays and corners") {
   // From one station to the next the wall turns by 2.3 degrees to either side.
   CHECK(side_roughness(ChainageProfile(rock), 0.4) > radians(1.2));
   CHECK(side_roughness(ChainageProfile(rock), 0.4) < radians(2.4));
+  // Of a lined drive with rock for a seventh of its length, that of the rock counts.
+  std::vector<ProfileStation> lined = rock;
+  for (ProfileStation& station : lined) {
+    if (station.chainage < 20 || station.chainage > 30) station.value = 2;
+  }
+  CHECK(side_roughness(ChainageProfile(lined), 0.4) > radians(1));
 }
