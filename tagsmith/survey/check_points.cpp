@@ -102,6 +102,17 @@ double scatter_of(std::vector<double> values) {
   return kSigmaOfMedian * median(std::move(values));
 }
 
+// That of the values beside one of them, of which rock may be rougher than elsewhere; 0 of a few.
+double scatter_beside(const std::vector<double>& values, std::size_t place) {
+  constexpr std::size_t kBeside = 6;  // on either side
+  std::vector<double> beside;
+  for (std::size_t i = place - std::min(place, kBeside);
+       i < std::min(place + kBeside + 1, values.size()); ++i) {
+    if (i != place) beside.push_back(values[i]);
+  }
+  return beside.size() < kLeastOfKind ? 0 : scatter_of(std::move(beside));
+}
+
 struct HeightSlip {
   std::size_t index = 0;
   double off = 0;
@@ -125,13 +136,6 @@ std::vector<HeightSlip> slips_of(const std::vector<HeightStation>& stations) {
     slips.push_back({stations[i].index, off, sigma});
   }
   return slips;
-}
-
-enum class PlanPart { tags, walls, line };
-
-PlanPart part_of(const SurveyedPoint& point) {
-  if (is_tag(point)) return PlanPart::tags;
-  return point.kind == PointKind::centerline ? PlanPart::line : PlanPart::walls;
 }
 
 }  // namespace
@@ -203,30 +207,31 @@ void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fi
 void check_across(const std::vector<SurveyedPoint>& points, const TunnelFit& fit, FindingLog& log) {
   constexpr double kLeastSlip = 0.003;
   std::vector<double> all;
-  std::map<PlanPart, std::vector<double>> parts;
+  std::map<PointKind, std::vector<std::size_t>> kinds;  // points of each; tags of both sides
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::optional<double>& across = fit.residuals[i].across;
-    if (!across || points[i].of_alignment) continue;
-    all.push_back(*across);
-    parts[part_of(points[i])].push_back(*across);
+    if (!fit.residuals[i].across || points[i].of_alignment) continue;
+    all.push_back(*fit.residuals[i].across);
+    kinds[is_tag(points[i]) ? PointKind::left_tag : points[i].kind].push_back(i);
   }
   if (all.size() < kLeastOfKind) return;
-  std::map<PlanPart, double> sigmas;
-  for (const auto& [part, offs] : parts) {
-    sigmas[part] = scatter_of(offs.size() < kLeastOfKind ? all : offs);
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const SurveyedPoint& point = points[i];
-    const std::optional<double>& across = fit.residuals[i].across;
-    if (!across || point.of_alignment) continue;
-    const double sigma = sigmas.at(part_of(point));
-    if (std::abs(*across) <= std::max(kLeastSlip, kTimes * sigma)) continue;
-    log.warning({point.line, 0}, "across-slip",
-                fmt::format("point {} ({}) lies {:.1f} mm to the {} of its place in the fitted "
-                            "tunnel; the others of its kind scatter by {:.1f} mm",
-                            point.name.substr(0, 60), to_string(point.kind),
-                            1000 * std::abs(*across), *across > 0 ? "right" : "left", 1000 * sigma),
-                "measure it again, or take it out");
+  for (auto& [kind, of_kind] : kinds) {
+    std::ranges::sort(of_kind, {}, [&](std::size_t i) { return fit.residuals[i].chainage; });
+    std::vector<double> offs;
+    for (const std::size_t i : of_kind) offs.push_back(*fit.residuals[i].across);
+    const double usual = scatter_of(offs.size() < kLeastOfKind ? all : offs);
+    for (std::size_t k = 0; k < offs.size(); ++k) {
+      if (std::abs(offs[k]) <= std::max(kLeastSlip, kTimes * usual)) continue;
+      const double sigma = std::max(usual, scatter_beside(offs, k));
+      if (std::abs(offs[k]) <= kTimes * sigma) continue;
+      const SurveyedPoint& point = points[of_kind[k]];
+      log.warning(
+          {point.line, 0}, "across-slip",
+          fmt::format("point {} ({}) lies {:.1f} mm to the {} of its place in the fitted "
+                      "tunnel; the others of its kind scatter by {:.1f} mm",
+                      point.name.substr(0, 60), to_string(point.kind), 1000 * std::abs(offs[k]),
+                      offs[k] > 0 ? "right" : "left", 1000 * sigma),
+          "measure it again, or take it out");
+    }
   }
 }
 

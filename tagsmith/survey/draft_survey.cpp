@@ -332,12 +332,20 @@ std::vector<WallPoint> points_of_wall(const SurveyDraft& draft, Side side) {
   return wall;
 }
 
+// The gap between points in which half of the wall lies, or smaller ones: bends are often measured
+// more densely than the rest.
 double usual_gap(const std::vector<WallPoint>& wall) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < wall.size(); ++i) {
     gaps.push_back(wall[i].chainage - wall[i - 1].chainage);
   }
-  return gaps.empty() ? 0 : quantile(gaps, 0.5);
+  std::ranges::sort(gaps);
+  double left = wall.empty() ? 0 : (wall.back().chainage - wall.front().chainage) / 2;
+  for (const double gap : gaps) {
+    left -= gap;
+    if (left <= 0) return gap;
+  }
+  return 0;
 }
 
 // Where no point shows the wall beside a chainage, between which points; nothing where one does.
