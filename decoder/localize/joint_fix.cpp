@@ -22,12 +22,12 @@
 
 namespace tagsmith::detail {
 
-// ---- The fit once the measurements that it uses are known.
-
 std::string name_of(const PlacedTag& tag, std::size_t survey, std::size_t home,
                     const std::vector<Survey>& surveys) {
   return survey == home ? tag.name : surveys[survey].name + "/" + tag.name;
 }
+
+// ---- The fit once the measurements that it uses are known.
 
 namespace {
 

@@ -25,7 +25,12 @@ namespace tagsmith::detail {
 // standard deviations of the rig's, with a single tag four); every one of several ranges
 // contradicts a single tag.
 //
-// Parts of tags count like tags where what is in sight fits one tag of the survey; where it fits
+// The tags of all surveys count, which are in one grid. The survey of the fix is the one in whose
+// tunnel it lies. Surveys contradict each other where no tag of one agrees with those of the
+// others, or where its tags together stand beside the others': then there is no position, however
+// many tags each has. A smaller displacement is in the covariance.
+//
+// Parts of tags count like tags where what is in sight fits one tag of the surveys; where it fits
 // several, the one is used that agrees with a position computed without the part. Parts without a
 // whole tag give no position.
 //
