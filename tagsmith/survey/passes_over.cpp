@@ -39,32 +39,36 @@ std::vector<Step> steps_along(const std::vector<Eigen::Vector3d>& way, double st
 
 }  // namespace
 
-std::optional<Passing> passing_of(const std::vector<Eigen::Vector3d>& way, double reach,
-                                  double room) {
-  constexpr double kNarrowestTurn = 3;  // times the reach: the way round it
-  constexpr double kMostSteps = 1e5;    // of longer ways only some places are compared
-  if (way.empty() || !(reach > 0)) return std::nullopt;
+std::optional<Passing> passing_of(const std::vector<Eigen::Vector3d>& way, double step, double room,
+                                  double greatest_reach, const ReachBetween& reach_between) {
+  constexpr double kMostSteps = 1e5;  // of longer ways only some places are compared
+  if (way.empty() || !(step > 0)) return std::nullopt;
   const auto cell_of = [&](const Eigen::Vector3d& p) {
-    return std::pair(static_cast<long>(std::floor(p.x() / reach)),
-                     static_cast<long>(std::floor(p.y() / reach)));
+    return std::pair(static_cast<long>(std::floor(p.x() / greatest_reach)),
+                     static_cast<long>(std::floor(p.y() / greatest_reach)));
+  };
+  const auto is_over = [&](const Step& later, const Step& earlier) {
+    constexpr double kNarrowestTurn = 3;  // times the reach: the way round it
+    const Eigen::Vector3d apart = later.position - earlier.position;
+    const double distance = apart.head<2>().norm();
+    if (distance >= greatest_reach || std::abs(apart.z()) <= room) return false;
+    const double reach = reach_between(earlier.corner, later.corner);
+    return distance < reach && later.way - earlier.way > kNarrowestTurn * reach;
   };
   std::map<std::pair<long, long>, std::vector<Step>> cells;
-  const double step_length = std::max(reach / 2, length_of(way) / kMostSteps);
-  for (const Step& step : steps_along(way, step_length)) {
-    const auto [x, y] = cell_of(step.position);
+  for (const Step& later : steps_along(way, std::max(step, length_of(way) / kMostSteps))) {
+    const auto [x, y] = cell_of(later.position);
     for (long i = x - 1; i <= x + 1; ++i) {
       for (long j = y - 1; j <= y + 1; ++j) {
         const auto cell = cells.find({i, j});
         if (cell == cells.end()) continue;
-        for (const Step& other : cell->second) {
-          const Eigen::Vector3d apart = step.position - other.position;
-          const bool is_over = apart.head<2>().norm() < reach && std::abs(apart.z()) > room &&
-                               step.way - other.way > kNarrowestTurn * reach;
-          if (is_over) return Passing{other.corner, step.corner, apart.z()};
+        for (const Step& earlier : cell->second) {
+          if (!is_over(later, earlier)) continue;
+          return Passing{earlier.corner, later.corner, later.position.z() - earlier.position.z()};
         }
       }
     }
-    cells[{x, y}].push_back(step);
+    cells[{x, y}].push_back(later);
   }
   return std::nullopt;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -18,9 +19,14 @@ struct Passing {
   double above = 0;  // how far the later part lies above the earlier one, metres
 };
 
-// The first place along a way at which it comes within `reach` of itself, seen from above, more
-// than `room` higher or lower. Bends narrower than that are not taken for one.
-std::optional<Passing> passing_of(const std::vector<Eigen::Vector3d>& way, double reach,
-                                  double room);
+// How far apart, seen from above, the drives at two corners of the way are no longer one over the
+// other: the earlier corner and the later one.
+using ReachBetween = std::function<double(std::size_t, std::size_t)>;
+
+// The first place along a way, looked at every `step` metres, at which it comes within reach of
+// itself, seen from above, more than `room` higher or lower. Bends narrower than that are not taken
+// for one. No reach exceeds `greatest_reach`.
+std::optional<Passing> passing_of(const std::vector<Eigen::Vector3d>& way, double step, double room,
+                                  double greatest_reach, const ReachBetween& reach_between);
 
 }  // namespace tagsmith::detail

@@ -129,7 +129,8 @@ Result<void> check_passing(const Points& points) {
   constexpr double kRoom = 2;
   std::vector<Eigen::Vector3d> way;
   for (const SurveyedPoint* point : points) way.push_back(point->in_grid);
-  const std::optional<Passing> passing = passing_of(way, kReach, kRoom);
+  const std::optional<Passing> passing =
+      passing_of(way, kReach / 2, kRoom, kReach, [](std::size_t, std::size_t) { return kReach; });
   if (!passing) return {};
   return fail(fmt::format(
       "the drive passes {} itself: near {} it lies {:.1f} m {} where it is near {}; a survey holds "

@@ -367,16 +367,32 @@ std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid
                     elements.elements);
 }
 
+// From the center line to the wall that faces the point; 0 where the point lies farther ahead or
+// behind than `beside`.
+double distance_towards(const Tunnel& tunnel, double chainage, const Eigen::Vector3d& point,
+                        double beside) {
+  const CenterlinePoint at = tunnel.centerline.at(chainage);
+  const Eigen::Vector3d apart = point - at.position;
+  if (std::abs(direction_of(at.heading).dot(apart)) > beside) return 0;
+  const bool is_right = right_of(at.heading).dot(apart) > 0;
+  return wall_distance(tunnel, is_right ? Side::right : Side::left, chainage);
+}
+
 // Places are found by their plan (Centerline::locate). False, and logged, where it has two of one.
 bool check_passing(const Tunnel& tunnel, Place place, FindingLog& log) {
   constexpr double kMostSteps = 1e5;
   const Centerline& line = tunnel.centerline;
-  const double reach = least_width(tunnel);
-  const double step = std::max(reach / 2, line.length() / kMostSteps);
+  const double apart = std::max(least_width(tunnel) / 2, line.length() / kMostSteps);
+  const double step = apart / 2;
   std::vector<Eigen::Vector3d> way;
   const auto steps = static_cast<int>(line.length() / step);
   for (int i = 0; i <= steps; ++i) way.push_back(line.at(i * step).position);
-  const std::optional<Passing> passing = passing_of(way, reach, tunnel.height.greatest());
+  const auto reach_between = [&](std::size_t earlier, std::size_t later) {
+    return distance_towards(tunnel, static_cast<double>(earlier) * step, way[later], apart) +
+           distance_towards(tunnel, static_cast<double>(later) * step, way[earlier], apart);
+  };
+  const std::optional<Passing> passing =
+      passing_of(way, apart, tunnel.height.greatest(), 2 * greatest_width(tunnel), reach_between);
   if (!passing) return true;
   const double later = static_cast<double>(passing->later) * step;
   log.error(

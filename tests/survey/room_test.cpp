@@ -251,3 +251,35 @@ TEST_CASE("long lists of stations are read without loss") {
   CHECK(wall_distance(survey.tunnel, Side::left, 10'001) == Approx(2.1));
   CHECK(wall_distance(survey.tunnel, Side::left, 10'000.5) == Approx(2.05));
 }
+
+TEST_CASE("a drive passes over itself where walls that face each other overlap") {
+  struct Row {
+    const char* name;
+    std::string room;
+    double radius;
+    bool passes;
+  };
+  const std::string near_left = "  walls: { left: [[0, 1.2], [100, 1.2]], right: [[0, 3.8]] }\n";
+  const std::string halls =
+      "  sections: [ { at: 0, width: 6 }, { at: 12, width: 6 }, { at: 14, width: 3 },\n"
+      "    { at: 40, width: 3 }, { at: 42, width: 6 }, { at: 70, width: 6 } ]\n";
+  for (const Row& row : {Row{"a center line beside one wall", near_left, 2, false},
+                         Row{"one wall", "  width: 5\n  walls: { left: [[0, 1]] }\n", 1.5, false},
+                         Row{"halls narrower between", halls, 2.2, true},
+                         Row{"halls farther apart", halls, 3.2, false}}) {
+    CAPTURE(std::string(row.name));
+    const std::string legs = "{ line: 25, grade: 12 }";
+    const auto read = reading_of(
+        "survey: drive\ntunnel:\n" + row.room +
+        "  height: 3\n  centerline:\n    start: [0, 0, 0]\n    heading: 0\n    elements: [ " +
+        legs + ", { arc: " + std::to_string(row.radius) +
+        ", turn: left, angle: 180, grade: 12 }, " + legs +
+        " ]\ntags: { template: tag-400x300, height: 1.2, spacing: 3, first: 2, pairs: 12 }\n"
+        "code: { check_digit: gs1, resolution: 0.01, digits: [4, 4, 3], origin: [-20, -20, -1] "
+        "}\n");
+    const bool passes = std::ranges::any_of(read.diagnostics, [](const Diagnostic& diagnostic) {
+      return diagnostic.code == "passes-over";
+    });
+    CHECK(passes == row.passes);
+  }
+}
