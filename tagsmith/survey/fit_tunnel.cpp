@@ -71,13 +71,26 @@ struct Floor {
   VectorXd ups;      // how far each point lies above
 };
 
-// Of each element: which grade it has. The arcs of a clothoid share one.
-std::vector<Eigen::Index> grades_of(const std::vector<CenterlineElement>& elements) {
+// Of each element: which grade it has. The arcs of a clothoid share one, and elements with fewer
+// floor points than `least` have their neighbour's.
+std::vector<Eigen::Index> grades_of(const std::vector<CenterlineElement>& elements,
+                                    const std::vector<HeightStation>& floor, std::size_t least) {
   std::vector<Eigen::Index> grades;
+  std::size_t points = least;  // of the latest grade
+  double start = 0;
   for (std::size_t i = 0; i < elements.size(); ++i) {
-    const bool shared =
+    const double end = start + elements[i].length;
+    const auto within =
+        static_cast<std::size_t>(std::ranges::count_if(floor, [&](const HeightStation& point) {
+          return (i == 0 || point.chainage >= start) &&
+                 (i + 1 == elements.size() || point.chainage <= end);
+        }));
+    const bool clothoid =
         i > 0 && elements[i].clothoid != 0 && elements[i].clothoid == elements[i - 1].clothoid;
+    const bool shared = clothoid || within < least || points < least;
     grades.push_back(i == 0 ? 0 : grades.back() + (shared ? 0 : 1));
+    points = shared && i > 0 ? points + within : within;
+    start = end;
   }
   return grades;
 }
@@ -98,9 +111,9 @@ VectorXd lengths_before(const std::vector<CenterlineElement>& elements,
 }
 
 Floor fit_floor(const std::vector<CenterlineElement>& elements,
-                const std::vector<HeightStation>& points) {
+                const std::vector<HeightStation>& points, std::size_t least) {
   const auto rows = static_cast<Eigen::Index>(points.size());
-  const std::vector<Eigen::Index> grade_of = grades_of(elements);
+  const std::vector<Eigen::Index> grade_of = grades_of(elements, points, least);
   const Eigen::Index grades = grade_of.back() + 1;
   constexpr double kSmooth = 1e-6;  // elements without floor points continue like their neighbours
   constexpr double kLevel = 1e-6;
@@ -170,14 +183,16 @@ double chance_of_floor(const Floor& floor, const Floor& cut) {
 Floor fit_grades(const std::vector<CenterlineElement>& elements,
                  const std::vector<HeightStation>& points, double tolerance) {
   constexpr std::size_t kMostTried = 60;
-  Floor floor = fit_floor(elements, points);
+  std::size_t least = 2;  // points that tell a grade
+  Floor floor = fit_floor(elements, points, least);
+  if (floor.ups.cwiseAbs().maxCoeff() > tolerance) floor = fit_floor(elements, points, least = 0);
   for (int cut = 0; cut < kMostFittedElements; ++cut) {
     Floor best = floor;
     const std::size_t step = std::max<std::size_t>(1, points.size() / kMostTried);
     for (std::size_t i = 0; i < points.size(); i += step) {
       const auto tried = cut_at(floor.elements, points[i].chainage, points);
       if (!tried) continue;
-      Floor other = fit_floor(*tried, points);
+      Floor other = fit_floor(*tried, points, least);
       if (other.ups.squaredNorm() < best.ups.squaredNorm()) best = std::move(other);
     }
     const bool off = floor.ups.cwiseAbs().maxCoeff() > tolerance;
