@@ -436,28 +436,39 @@ PlanModel with_end_cut(const PlanModel& model, bool first, double lead) {
   return cut;
 }
 
-// Whether a model with more elements has less scatter than chance gives it.
+// Whether a model with more elements has less scatter than chance gives it, also without the point
+// that gains most: one slip at an end would bend the drive.
 bool is_better(const PlanModel& model, const PlanModel& than, const std::vector<PlanPoint>& points,
                double scale) {
+  constexpr double kLeastFreedom = 4;
+  const double freedom = freedom_of(model, points.size()) - 1;
+  if (freedom < kLeastFreedom) return false;
+  const PlanModel shorter = adjusted(than, points, scale);
+  double before = squares_of(shorter, points, scale), after = squares_of(model, points, scale);
+  const Eigen::ArrayXd without = (residuals_of(shorter, points) / scale).array().square();
+  const Eigen::ArrayXd with = (residuals_of(model, points) / scale).array().square();
+  Eigen::Index most = 0;
+  (without / (1 + without) - with / (1 + with)).maxCoeff(&most);
+  before -= scale * scale * without[most] / (1 + without[most]);
+  after -= scale * scale * with[most] / (1 + with[most]);
   const auto more = static_cast<int>(model.count() - than.count());
-  return chance_of(squares_of(adjusted(than, points, scale), points, scale),
-                   squares_of(model, points, scale), freedom_of(model, points.size()), more,
-                   static_cast<double>(points.size())) < kChance;
+  return chance_of(before, after, freedom, more, static_cast<double>(points.size())) < kChance;
 }
 
 // Arcs that the points do not distinguish from lines become lines, as long as no point leaves the
 // tolerance.
 PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, double tolerance) {
+  constexpr double kMostWorse = 1.5;  // of the squares: few points show no more by chance
   for (Eigen::Index i = 0; i < model.count(); ++i) {
     const double scale = scale_of(model, points, tolerance);
     PlanModel tried = model;
     tried.straight[static_cast<std::size_t>(i)] = true;
     tried.values[2 + model.count() + i] = 0;
     tried = adjusted(tried, points, scale);
-    const double chance =
-        chance_of(squares_of(tried, points, scale), squares_of(model, points, scale),
-                  freedom_of(model, points.size()), 1, 1);
-    if (chance < kChance) continue;
+    const double before = squares_of(tried, points, scale);
+    const double after = squares_of(model, points, scale);
+    const double chance = chance_of(before, after, freedom_of(model, points.size()), 1, 1);
+    if (chance < kChance || before > kMostWorse * after) continue;
     if (residuals_of(tried, points).cwiseAbs().maxCoeff() <= tolerance) model = tried;
   }
   return model;
@@ -547,8 +558,23 @@ std::ptrdiff_t misfits(const PlanFit& fit, double tolerance) {
   return std::ranges::count_if(fit.residuals, [&](double r) { return std::abs(r) > tolerance; });
 }
 
+// Whether a line runs along the guide once, with elements that are more than a point and arcs whose
+// inner wall turns as the line does.
+bool is_drive(const PlanTask& task, const PlanModel& model) {
+  constexpr double kLonger = 1.2;
+  constexpr double kLeastLength = 0.05;  // metres
+  double length = 0;
+  for (Eigen::Index i = 0; i < model.count(); ++i) {
+    const bool turns_within = std::abs(model.curvature(i)) * model.width() / 2 >= 1;
+    if (model.length(i) < kLeastLength || turns_within) return false;
+    length += model.length(i);
+  }
+  const HeadingStep& last = task.steps.back();
+  return length <= kLonger * (last.at + last.length / 2) + 2 * task.lead();
+}
+
 bool fits_all(const PlanTask& task, const PlanModel& model) {
-  return misfits(finished(model, task.points), task.tolerance) == 0;
+  return is_drive(task, model) && misfits(finished(model, task.points), task.tolerance) == 0;
 }
 
 // A model, or a better one that begins as a shorter one with an end cut: the guide says little of
@@ -631,7 +657,7 @@ std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tol
     const PlanModel model = adjusted(first_model(task, count), task.sample, tolerance);
     PlanFit fit = finished(model, points);
     const auto off = misfits(fit, tolerance);
-    if (off == 0) return fit_of(task, grown(task, model, shorter, most));
+    if (off == 0 && is_drive(task, model)) return fit_of(task, grown(task, model, shorter, most));
     if (!closest || off < misfits(*closest, tolerance)) closest = std::move(fit);
     shorter = model;
   }
