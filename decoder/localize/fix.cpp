@@ -59,10 +59,14 @@ std::string to_string(const Unchecked& unchecked) {
 
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }
 
+std::string tag_of_survey(const std::string& survey, const std::string& tag) {
+  return survey + "/" + tag;
+}
+
 std::vector<std::string> unique_tags(const Fix& fix) {
   std::vector<std::string> tags;
   for (const std::string& tag : fix.tags) {
-    tags.push_back(tag.find('/') != std::string::npos ? tag : fix.survey + "/" + tag);
+    tags.push_back(tag.find('/') != std::string::npos ? tag : tag_of_survey(fix.survey, tag));
   }
   return tags;
 }

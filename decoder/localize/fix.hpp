@@ -131,7 +131,10 @@ struct Fix {
   std::string doubt;               // why none of a drive's positions should be used; empty = none
 };
 
-// The tags that it names, each as SURVEY/TAG: surveys may have tags of one name.
+// SURVEY/TAG: surveys may have tags of one name.
+std::string tag_of_survey(const std::string& survey, const std::string& tag);
+
+// The tags that it names, each as SURVEY/TAG.
 std::vector<std::string> unique_tags(const Fix& fix);
 
 // "ok" or "no_position".

@@ -24,7 +24,7 @@ namespace tagsmith::detail {
 
 std::string name_of(const PlacedTag& tag, std::size_t survey, std::size_t home,
                     const std::vector<Survey>& surveys) {
-  return survey == home ? tag.name : surveys[survey].name + "/" + tag.name;
+  return survey == home ? tag.name : tag_of_survey(surveys[survey].name, tag.name);
 }
 
 // ---- The fit once the measurements that it uses are known.

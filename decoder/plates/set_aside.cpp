@@ -2,6 +2,7 @@
 #include "decoder/plates/set_aside.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -52,7 +53,7 @@ Survey joined(const std::vector<Survey>& surveys) {
     all.angle_sigma = std::max(all.angle_sigma, survey.angle_sigma);
     all.states_angle_sigma = all.states_angle_sigma && survey.states_angle_sigma;
     for (PlacedTag tag : survey.tags) {
-      tag.name.insert(0, survey.name + "/");
+      tag.name = tag_of_survey(survey.name, tag.name);
       all.tags.push_back(std::move(tag));
     }
   }
@@ -64,18 +65,27 @@ std::vector<Observation> joined_rows(std::vector<Observation> rows,
                                      const std::vector<Survey>& surveys) {
   for (Observation& row : rows) {
     for (SeenTag& seen : row.tags) {
-      seen.tag.name.insert(0, surveys[seen.survey].name + "/");
+      seen.tag.name = tag_of_survey(surveys[seen.survey].name, seen.tag.name);
       seen.survey = 0;
     }
   }
   return rows;
 }
 
+// Whether rows show tags of more than one survey.
+bool shows_several(const std::vector<Observation>& rows) {
+  std::set<std::size_t> seen;
+  for (const Observation& row : rows) {
+    for (const SeenTag& tag : row.tags) seen.insert(tag.survey);
+  }
+  return seen.size() > 1;
+}
+
 // The tags that hang elsewhere by the tags of all surveys.
 std::vector<SetAside> aside_by_all(const std::vector<Observation>& rows,
                                    const std::vector<Survey>& surveys, const Rig& rig) {
   std::vector<SetAside> aside;
-  if (surveys.size() < 2) return aside;
+  if (!shows_several(rows)) return aside;
   const Survey all = joined(surveys);
   const HungTags hung = check_rows(joined_rows(rows, surveys), {all}, 0, rig);
   if (hung.nothing_fits) return aside;
@@ -140,14 +150,15 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
   RunCheck result;
   result.suspicion = suspicion_of(rows, surveys, rig);
   if (result.suspicion) return result;
+  const auto keep = [&](SetAside aside, std::span<const std::size_t> of) {
+    take_out(rows, of, aside);
+    if (!aside.rows.empty()) result.aside.push_back(std::move(aside));
+  };
   for (std::size_t survey = 0; survey < surveys.size(); ++survey) {
     const HungTags hung = check_rows(rows, surveys, survey, rig);
     if (hung.nothing_fits) continue;
     const auto add = [&](const HungTag& tag, std::span<const std::size_t> of) {
-      if (tag.verdict != HangVerdict::off) return;
-      SetAside aside{survey, tag.tag, tag.rule, tag.message, {}};
-      take_out(rows, of, aside);
-      if (!aside.rows.empty()) result.aside.push_back(std::move(aside));
+      if (tag.verdict == HangVerdict::off) keep({survey, tag.tag, tag.rule, tag.message, {}}, of);
     };
     for (MixedStations mixed : hung.mixed) {
       for (std::string* name : {&mixed.one, &mixed.other}) {
@@ -161,10 +172,7 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
     }
     for (const HungTag& tag : hung.tags) add(tag, all);
   }
-  for (SetAside& aside : aside_by_all(rows, surveys, rig)) {
-    take_out(rows, all, aside);
-    if (!aside.rows.empty()) result.aside.push_back(std::move(aside));
-  }
+  for (SetAside& aside : aside_by_all(rows, surveys, rig)) keep(std::move(aside), all);
   return result;
 }
 

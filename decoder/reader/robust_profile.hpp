@@ -60,8 +60,7 @@ class RobustProfile {
 
   // Where the rows agree, by the white and black of the frame's sides: for each place the mean of
   // the rows that are near their median. Quick.
-  SymbolProfile of_agreeing_rows() const { return of_agreeing_rows(HeightShare{}); }
-  SymbolProfile of_agreeing_rows(HeightShare part) const;
+  SymbolProfile of_agreeing_rows(HeightShare part = {}) const;
   // Of a part of the bars' height: where all rows agreed in the profile of the whole, the mean of
   // these.
   SymbolProfile of_agreeing_rows(HeightShare part, const SymbolProfile& whole) const;

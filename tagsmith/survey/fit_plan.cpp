@@ -269,9 +269,13 @@ VectorXd residuals_of(const PlanModel& model, const std::vector<PlanPoint>& poin
   return residuals;
 }
 
-double robust_cost(const VectorXd& residuals, double scale) {
+Eigen::ArrayXd robust_costs(const VectorXd& residuals, double scale) {
   const auto squares = (residuals / scale).array().square();
-  return (squares / (1 + squares)).sum();
+  return squares / (1 + squares);
+}
+
+double robust_cost(const VectorXd& residuals, double scale) {
+  return robust_costs(residuals, scale).sum();
 }
 
 // How the values change with each of the model's numbers.
@@ -445,12 +449,12 @@ bool is_better(const PlanModel& model, const PlanModel& than, const std::vector<
   if (freedom < kLeastFreedom) return false;
   const PlanModel shorter = adjusted(than, points, scale);
   double before = squares_of(shorter, points, scale), after = squares_of(model, points, scale);
-  const Eigen::ArrayXd without = (residuals_of(shorter, points) / scale).array().square();
-  const Eigen::ArrayXd with = (residuals_of(model, points) / scale).array().square();
+  const Eigen::ArrayXd without = robust_costs(residuals_of(shorter, points), scale);
+  const Eigen::ArrayXd with = robust_costs(residuals_of(model, points), scale);
   Eigen::Index most = 0;
-  (without / (1 + without) - with / (1 + with)).maxCoeff(&most);
-  before -= scale * scale * without[most] / (1 + without[most]);
-  after -= scale * scale * with[most] / (1 + with[most]);
+  (without - with).maxCoeff(&most);
+  before -= scale * scale * without[most];
+  after -= scale * scale * with[most];
   const auto more = static_cast<int>(model.count() - than.count());
   return chance_of(before, after, freedom, more, static_cast<double>(points.size())) < kChance;
 }
