@@ -195,8 +195,10 @@ std::optional<DraftedAngle> angle_sigma_of(const SurveyDraft& draft) {
   });
   if (all_stated && !draft.series) return std::nullopt;
   const double on_walls = usual_angle_sigma(draft.fit.tunnel, draft.tag);
-  const double by_fit = draft.fit.heading_sigma;
-  const double sigma = std::round(10 * degrees(std::hypot(on_walls, by_fit))) / 10;
+  constexpr double kMostStated = radians(45);  // that a survey may state
+  const double by_fit = std::min(draft.fit.heading_sigma, kMostStated);
+  const double whole = std::min(std::hypot(on_walls, by_fit), kMostStated);
+  const double sigma = std::round(10 * degrees(whole)) / 10;
   if (radians(sigma) <= kUsualAngleSigma) return std::nullopt;
   if (on_walls > by_fit && on_walls > kUsualAngleSigma) {
     return DraftedAngle{sigma,

@@ -21,6 +21,7 @@ using Eigen::VectorXd;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostGuidePoints = 300;  // the search for breaks takes their square
 constexpr std::size_t kMostFitted = 600;       // points of the least-squares fit
+constexpr int kAhead = 4;  // elements: a bend, or two that are opposite, show as a whole only
 
 // ---- A guide: roughly the center line, as points along the drive.
 
@@ -51,6 +52,10 @@ std::size_t place_on_way(const std::vector<PlanPoint>& way, const PlanPoint& poi
   return best;
 }
 
+double extent_of(const std::vector<PlanPoint>& way) {
+  return way.empty() ? -1 : (way.back().p - way.front().p).norm();
+}
+
 // The points of a side along the drive. Walls and tags are separate lists, each in order: those of
 // the shorter one are inserted into the way of the longer one.
 std::vector<PlanPoint> points_of_side(const std::vector<PlanPoint>& points, int side) {
@@ -59,10 +64,7 @@ std::vector<PlanPoint> points_of_side(const std::vector<PlanPoint>& points, int 
   for (const PlanPoint& point : points) {
     if (point.side == side) (point.plate_half > 0 ? tags : walls).push_back(point);
   }
-  const auto way_of = [](const std::vector<PlanPoint>& list) {
-    return list.empty() ? -1 : (list.back().p - list.front().p).norm();
-  };
-  if (way_of(walls) < way_of(tags)) std::swap(walls, tags);
+  if (extent_of(walls) < extent_of(tags)) std::swap(walls, tags);
   std::vector<PlanPoint> way = thinned(walls, kMostGuidePoints);
   for (const PlanPoint& point : thinned(tags, kMostGuidePoints)) {
     way.insert(way.begin() + static_cast<std::ptrdiff_t>(place_on_way(way, point)), point);
@@ -70,17 +72,39 @@ std::vector<PlanPoint> points_of_side(const std::vector<PlanPoint>& points, int 
   return way;
 }
 
-// Between each left point and the nearest right one: in the middle, or divided by their offsets
-// where these are known.
-std::vector<Vector2d> line_between(const std::vector<PlanPoint>& left,
-                                   const std::vector<PlanPoint>& right) {
+const PlanPoint& nearest_to(const PlanPoint& point, const std::vector<PlanPoint>& others) {
+  return *std::ranges::min_element(
+      others, {}, [&](const PlanPoint& other) { return (point.p - other.p).squaredNorm(); });
+}
+
+// From each point of the wall that reaches farther to the middle between it and the nearest one of
+// the other wall, or to the place that their offsets say. Where that one does not lie across, or
+// much farther than usual, the other wall has a gap: then as far across as usual.
+std::vector<Vector2d> line_between(const std::vector<PlanPoint>& wall,
+                                   const std::vector<PlanPoint>& other) {
+  constexpr double kAcross = 0.9;  // cosine
+  constexpr double kMostApart = 1.5;
+  std::vector<Vector2d> inward;
+  std::vector<Vector2d> across;
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < wall.size(); ++i) {
+    const std::size_t next = std::min(i + 1, wall.size() - 1);
+    const Vector2d along = wall[next].p - wall[i - std::min<std::size_t>(i, 1)].p;
+    inward.push_back(wall[i].side * Vector2d(-along.y(), along.x()).normalized());
+    across.push_back(nearest_to(wall[i], other).p - wall[i].p);
+    if (across[i].dot(inward[i]) > kAcross * across[i].norm())
+      distances.push_back(across[i].norm());
+  }
+  const double usual = distances.empty() ? 0 : median(distances);
   std::vector<Vector2d> result;
-  for (const PlanPoint& a : left) {
-    const PlanPoint& b = *std::ranges::min_element(
-        right, {}, [&](const PlanPoint& other) { return (a.p - other.p).squaredNorm(); });
-    const double apart = a.offset && b.offset ? std::abs(*a.offset - *b.offset) : 0;
-    const double share = apart > 0 ? std::abs(*a.offset) / apart : 0.5;
-    result.push_back(a.p + share * (b.p - a.p));
+  for (std::size_t i = 0; i < wall.size(); ++i) {
+    const PlanPoint& b = nearest_to(wall[i], other);
+    const double offsets = wall[i].offset && b.offset ? std::abs(*wall[i].offset - *b.offset) : 0;
+    const double share = offsets > 0 ? std::abs(*wall[i].offset) / offsets : 0.5;
+    const double apart = across[i].norm();
+    const bool gap =
+        usual > 0 && (across[i].dot(inward[i]) < kAcross * apart || apart > kMostApart * usual);
+    result.push_back(wall[i].p + share * (gap ? Vector2d(usual * inward[i]) : across[i]));
   }
   return result;
 }
@@ -112,10 +136,11 @@ std::vector<Vector2d> make_guide(const std::vector<PlanPoint>& points) {
   std::vector<Vector2d> guide;
   for (const PlanPoint& point : points_of_side(points, 0)) guide.push_back(point.p);
   if (guide.size() < 2) {
-    const std::vector<PlanPoint> left = points_of_side(points, -1);
-    const std::vector<PlanPoint> right = points_of_side(points, 1);
-    if (left.size() < 2 || right.size() < 2) return {};
-    guide = line_between(left, right);
+    std::vector<PlanPoint> wall = points_of_side(points, -1);
+    std::vector<PlanPoint> other = points_of_side(points, 1);
+    if (wall.size() < 2 || other.size() < 2) return {};
+    if (extent_of(wall) < extent_of(other)) std::swap(wall, other);
+    guide = line_between(wall, other);
   }
   constexpr double kLeastStep = 0.05;
   guide = without_jumps(thinned(guide, kMostGuidePoints), kLeastStep);
@@ -218,7 +243,8 @@ std::vector<std::size_t> best_breaks(const HeadingSums& sums, std::size_t steps,
 struct PlanModel {
   Vector2d anchor{0, 0};
   double anchor_heading = 0;
-  double last_length = 0;
+  double lead = 0;  // the line begins so far before the first point, and ends so far after the last
+  double total = 0;            // length of the line
   std::vector<bool> straight;  // by element: its curvature is 0, not adjusted
   // Shift of the start to the right of the anchor, heading, width; the elements' lengths but the
   // last one's; their curvatures.
@@ -226,9 +252,15 @@ struct PlanModel {
 
   Eigen::Index count() const { return static_cast<Eigen::Index>(straight.size()); }
   double width() const { return values[2]; }
+  // Breaks lie between the first and the last point.
   double length(Eigen::Index i) const {
     constexpr double kLeast = 0.01;
-    return i + 1 == count() ? last_length : std::max(kLeast, values[3 + i]);
+    if (count() == 1) return total;
+    if (i == 0) return std::max(lead, values[3]);
+    if (i + 1 < count()) return std::max(kLeast, values[3 + i]);
+    double left = total - length(0);
+    for (Eigen::Index before = 1; before < i; ++before) left -= length(before);
+    return std::max(lead, left);
   }
   double curvature(Eigen::Index i) const {
     return straight[static_cast<std::size_t>(i)] ? 0 : values[2 + count() + i];
@@ -296,12 +328,14 @@ MatrixXd jacobian_of(const PlanModel& model, const Values& values_of) {
 // counts for nothing; the scale of the weights shrinks to `scale`.
 PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double scale) {
   constexpr int kRounds = 5;
-  constexpr int kIterations = 15;
+  constexpr double kConverged = 1e-7;  // of the cost
   VectorXd residuals = residuals_of(model, points);
+  double damping = 1e-3;
   for (int round = 0; round < kRounds; ++round) {
     const double used = scale * std::pow(4, kRounds - 1 - round);
-    double damping = 1e-3;
-    for (int iteration = 0; iteration < kIterations && damping < 1e8; ++iteration) {
+    damping = std::min(damping, 1e-3);
+    const int iterations = round + 1 < kRounds ? 10 : 40;
+    for (int iteration = 0; iteration < iterations && damping < 1e8; ++iteration) {
       const VectorXd weights = (1 + (residuals / used).array().square()).square().inverse();
       const MatrixXd jacobian =
           jacobian_of(model, [&](const PlanModel& at) { return residuals_of(at, points); });
@@ -320,7 +354,7 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
       damping = std::max(damping / 10, 1e-12);
       model = moved;
       residuals = left;
-      if (before - after < 1e-12 * (1 + before)) break;
+      if (before - after < kConverged * before) break;
     }
   }
   return model;
@@ -375,7 +409,7 @@ PlanModel first_model(const PlanTask& task, int count) {
     const HeadingStep& last = steps[end - 1];
     const double to = last.at + last.length / 2 + (end == steps.size() ? lead : 0);
     if (i == 0) model.values[1] = line.value - line.slope * line.middle;
-    (i + 1 == count ? model.last_length : model.values[3 + i]) = to - chainage;
+    if (i + 1 < count) model.values[3 + i] = to - chainage;
     model.values[2 + count + i++] = line.slope;
     chainage = to;
     from = end;
@@ -385,6 +419,8 @@ PlanModel first_model(const PlanTask& task, int count) {
   model.anchor = task.guide.front() - lead * direction_of(model.values[1] + turn / 2).head<2>();
   model.values[1] += turn;
   model.values[2] = task.width;
+  model.lead = lead;
+  model.total = chainage + lead;
   model.anchor_heading = model.values[1];
   return model;
 }
@@ -414,29 +450,44 @@ double squares_of(const PlanModel& model, const std::vector<PlanPoint>& points, 
          kFinest * kFinest * static_cast<double>(points.size());
 }
 
-// The same line with its first or its last element cut in two.
-PlanModel with_end_cut(const PlanModel& model, bool first, double lead) {
-  constexpr double kShare = 0.25;  // of the element beside the points that is cut off
+// What is known of the scatter before a point is seen: as if so many degrees of freedom had shown
+// that of a survey that does not state its sigma.
+constexpr double kUsual = 0.003;  // metres
+constexpr double kFreedomOfUsual = 4;
+
+// Of another shape to fit the points so well by noise alone, as chance_of.
+double chance_of_shape(const PlanModel& model, const PlanModel& other,
+                       const std::vector<PlanPoint>& points, double scale) {
+  const double usual = kUsual * kUsual * kFreedomOfUsual;
+  const double freedom = std::max(0.0, freedom_of(other, points.size())) + kFreedomOfUsual;
+  const auto more = static_cast<int>(other.count() - model.count());
+  return chance_of(squares_of(model, points, scale) + usual,
+                   squares_of(other, points, scale) + usual, freedom, std::max(1, more),
+                   more > 0 ? static_cast<double>(points.size()) : 1);
+}
+
+// The same line with the element at a chainage cut in two.
+PlanModel with_cut(const PlanModel& model, double chainage) {
   const Eigen::Index count = model.count();
-  const Eigen::Index place = first ? 0 : count - 1;
-  const double length = model.length(place);
-  const double beside = std::max(0.0, length - (count == 1 ? 2 : 1) * lead);
-  const double before = first ? lead + kShare * beside : length - lead - kShare * beside;
   std::vector<double> lengths;
   std::vector<double> curvatures;
+  double start = 0;
   for (Eigen::Index i = 0; i < count; ++i) {
-    if (i == place) lengths.push_back(before);
-    if (i == place) curvatures.push_back(model.curvature(i));
-    lengths.push_back(i == place ? length - before : model.length(i));
+    const double end = start + model.length(i);
+    const bool inside = chainage > start && chainage <= end;
+    if (inside) lengths.push_back(chainage - start);
+    if (inside) curvatures.push_back(model.curvature(i));
+    lengths.push_back(inside ? end - chainage : end - start);
     curvatures.push_back(model.curvature(i));
+    start = end;
   }
   PlanModel cut = model;
   cut.straight.assign(lengths.size(), false);
-  cut.last_length = lengths.back();
-  lengths.pop_back();
-  cut.values.resize(2 + 2 * (count + 1));
-  cut.values << model.values.head<3>(), Eigen::Map<VectorXd>(lengths.data(), count),
-      Eigen::Map<VectorXd>(curvatures.data(), count + 1);
+  lengths.pop_back();  // the last one follows from the others
+  cut.values.resize(3 + static_cast<Eigen::Index>(lengths.size() + curvatures.size()));
+  cut.values << model.values.head<3>(),
+      Eigen::Map<VectorXd>(lengths.data(), static_cast<Eigen::Index>(lengths.size())),
+      Eigen::Map<VectorXd>(curvatures.data(), static_cast<Eigen::Index>(curvatures.size()));
   return cut;
 }
 
@@ -459,25 +510,6 @@ bool is_better(const PlanModel& model, const PlanModel& than, const std::vector<
   return chance_of(before, after, freedom, more, static_cast<double>(points.size())) < kChance;
 }
 
-// Arcs that the points do not distinguish from lines become lines, as long as no point leaves the
-// tolerance.
-PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, double tolerance) {
-  constexpr double kMostWorse = 1.5;  // of the squares: few points show no more by chance
-  for (Eigen::Index i = 0; i < model.count(); ++i) {
-    const double scale = scale_of(model, points, tolerance);
-    PlanModel tried = model;
-    tried.straight[static_cast<std::size_t>(i)] = true;
-    tried.values[2 + model.count() + i] = 0;
-    tried = adjusted(tried, points, scale);
-    const double before = squares_of(tried, points, scale);
-    const double after = squares_of(model, points, scale);
-    const double chance = chance_of(before, after, freedom_of(model, points.size()), 1, 1);
-    if (chance < kChance || before > kMostWorse * after) continue;
-    if (residuals_of(tried, points).cwiseAbs().maxCoeff() <= tolerance) model = tried;
-  }
-  return model;
-}
-
 VectorXd headings_of(const PlanModel& model, const std::vector<PlanPoint>& points) {
   const Centerline line = line_of(model);
   VectorXd headings(static_cast<Eigen::Index>(points.size()));
@@ -491,7 +523,6 @@ VectorXd headings_of(const PlanModel& model, const std::vector<PlanPoint>& point
 // The scatter that the points may have, one standard deviation: with 95 % at most so much. What few
 // points cannot tell of it is taken as usual.
 double greatest_scatter(double squares, double freedom) {
-  constexpr double kUsual = 0.003;  // metres, as of a survey that does not state its sigma
   constexpr double k95Percent = -1.645;
   if (freedom < 1) return kUsual;
   const double least = std::max(0.0, chi_square_limit(static_cast<int>(freedom), k95Percent));
@@ -528,11 +559,8 @@ double heading_sigma_of(const PlanModel& model, const std::vector<PlanModel>& ot
   const VectorXd headings = headings_of(model, beside);
   VectorXd variances = heading_variances(model, points, beside, squares);
   for (const PlanModel& other : others) {
-    const double other_squares = squares_of(other, points, scale);
-    if (other_squares > squares) continue;  // no better for all its numbers
-    const auto more = static_cast<int>(other.count() - model.count());
-    const double chance = chance_of(squares, other_squares, freedom_of(other, points.size()),
-                                    std::max(1, more), more > 0 ? count : 1);
+    if (squares_of(other, points, scale) > squares) continue;  // no better for all its numbers
+    const double chance = chance_of_shape(model, other, points, scale);
     // The odds as by Schwarz's criterion (1978), which asks for more the more points there are.
     const double probability = 1 / (1 + std::sqrt(count) * chance);
     const VectorXd apart = (headings_of(other, beside) - headings).unaryExpr([](double angle) {
@@ -581,14 +609,44 @@ bool fits_all(const PlanTask& task, const PlanModel& model) {
   return is_drive(task, model) && misfits(finished(model, task.points), task.tolerance) == 0;
 }
 
-// A model, or a better one that begins as a shorter one with an end cut: the guide says little of
-// the ends.
-PlanModel with_better_end(const PlanTask& task, PlanModel model, const PlanModel& shorter) {
-  const double scale = scale_of(model, task.sample, task.tolerance);
-  for (const bool first : {true, false}) {
-    const PlanModel cut = adjusted(with_end_cut(shorter, first, task.lead()), task.sample, scale);
-    const bool better = squares_of(cut, task.sample, scale) < squares_of(model, task.sample, scale);
-    if (better && fits_all(task, cut)) model = cut;
+// A model, or a better one that begins as a shorter one with an element cut, anywhere along it: the
+// guide says little of the ends, and of breaks between few points.
+PlanModel with_better_breaks(const PlanTask& task, const PlanModel& model, const PlanModel& shorter,
+                             double scale) {
+  constexpr std::size_t kMostTried = 100;  // points that choose the place
+  const auto misfit_of = [&](const PlanModel& at, const std::vector<PlanPoint>& points) {
+    return std::pair(misfits(finished(at, points), task.tolerance), squares_of(at, points, scale));
+  };
+  const std::vector<PlanPoint> few = thinned(task.sample, kMostTried);
+  PlanModel best = model;
+  const Eigen::Index cuts = shorter.count() + 1;
+  for (Eigen::Index i = 0; i < cuts; ++i) {
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(cuts);
+    const double chainage = shorter.lead + share * (shorter.total - 2 * shorter.lead);
+    const PlanModel cut = adjusted(with_cut(shorter, chainage), few, scale);
+    if (is_drive(task, cut) && misfit_of(cut, few) < misfit_of(best, few)) best = cut;
+  }
+  if (few.size() < task.sample.size()) best = adjusted(best, task.sample, scale);
+  return misfit_of(best, task.sample) < misfit_of(model, task.sample) ? best : model;
+}
+
+// Arcs that the points do not distinguish from lines become lines, as long as no point leaves the
+// tolerance.
+PlanModel straightened(const PlanTask& task, PlanModel model) {
+  const std::vector<PlanPoint>& points = task.sample;
+  const double tolerance = task.tolerance;
+  constexpr double kMostWorse = 1.5;  // of the squares: few points show no more by chance
+  for (Eigen::Index i = 0; i < model.count(); ++i) {
+    const double scale = scale_of(model, points, tolerance);
+    PlanModel tried = model;
+    tried.straight[static_cast<std::size_t>(i)] = true;
+    tried.values[2 + model.count() + i] = 0;
+    tried = adjusted(tried, points, scale);
+    const double before = squares_of(tried, points, scale);
+    const double after = squares_of(model, points, scale);
+    const double chance = chance_of(before, after, freedom_of(model, points.size()), 1, 1);
+    if (chance < kChance || before > kMostWorse * after) continue;
+    if (fits_all(task, tried)) model = tried;
   }
   return model;
 }
@@ -600,18 +658,16 @@ struct PlanShapes {
 };
 
 // The model with as many more elements as improve it by more than chance.
-PlanShapes grown(const PlanTask& task, PlanModel model, const std::optional<PlanModel>& shorter,
-                 int most) {
-  constexpr int kAhead = 2;  // elements: one alone may not begin and end a bend
+PlanShapes grown(const PlanTask& task, PlanModel model, int most) {
+  constexpr int kTried = 2;  // elements: one alone may not begin and end a bend
   const std::vector<PlanPoint>& sample = task.sample;
-  if (shorter) model = with_better_end(task, model, *shorter);
   std::vector<PlanModel> others;
   for (int count = static_cast<int>(model.count()) + 1;
-       count <= std::min(most, static_cast<int>(model.count()) + kAhead); ++count) {
+       count <= std::min(most, static_cast<int>(model.count()) + kTried); ++count) {
     const double scale = scale_of(model, sample, task.tolerance);
     PlanModel longer =
         adjusted(adjusted(first_model(task, count), sample, task.tolerance), sample, scale);
-    if (count == model.count() + 1) longer = with_better_end(task, longer, model);
+    if (count == model.count() + 1) longer = with_better_breaks(task, longer, model, scale);
     if (!fits_all(task, longer)) continue;
     if (!is_better(longer, model, sample, scale)) {
       others.push_back(longer);
@@ -622,7 +678,7 @@ PlanShapes grown(const PlanTask& task, PlanModel model, const std::optional<Plan
   }
   const PlanModel sharper = adjusted(model, sample, scale_of(model, sample, task.tolerance));
   if (fits_all(task, sharper)) model = sharper;
-  const PlanModel shown = straightened(model, sample, task.tolerance);
+  const PlanModel shown = straightened(task, model);
   PlanModel bent = shown;  // its lines as arcs
   bent.straight.assign(bent.straight.size(), false);
   others.push_back(adjusted(bent, sample, scale_of(shown, sample, task.tolerance)));
@@ -657,13 +713,18 @@ std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tol
   const int most = std::min(most_elements, static_cast<int>(task.steps.size()));
   std::optional<PlanFit> closest;
   std::optional<PlanModel> shorter;
-  for (int count = 1; count <= most; ++count) {
-    const PlanModel model = adjusted(first_model(task, count), task.sample, tolerance);
+  std::optional<PlanModel> best;  // what is off by more than the tolerance is hardly noise
+  for (int count = 1; count <= most && (!best || count <= best->count() + kAhead); ++count) {
+    PlanModel model = adjusted(first_model(task, count), task.sample, tolerance);
+    if (shorter) model = with_better_breaks(task, model, *shorter, tolerance);
+    shorter = model;
+    if (best && chance_of_shape(*best, model, task.sample, tolerance) >= 1) continue;
+    best = model;
+    if (closest && !is_drive(task, model)) continue;
     PlanFit fit = finished(model, points);
     const auto off = misfits(fit, tolerance);
-    if (off == 0 && is_drive(task, model)) return fit_of(task, grown(task, model, shorter, most));
+    if (off == 0 && is_drive(task, model)) return fit_of(task, grown(task, model, most));
     if (!closest || off < misfits(*closest, tolerance)) closest = std::move(fit);
-    shorter = model;
   }
   return closest;
 }
