@@ -303,8 +303,8 @@ std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& all, const P
   return std::nullopt;
 }
 
-// Whether most tags lie at points of the other wall.
-bool tags_are_exchanged(const std::vector<PlanPoint>& fitted) {
+// Whether most tags lie at points of the other wall, nearer to them than to the middle.
+bool tags_are_exchanged(const std::vector<PlanPoint>& fitted, double width) {
   constexpr std::size_t kMostPoints = 500;
   std::vector<PlanPoint> walls;
   std::vector<PlanPoint> tags;
@@ -316,19 +316,30 @@ bool tags_are_exchanged(const std::vector<PlanPoint>& fitted) {
   const auto at_other_wall = std::ranges::count_if(tags, [&](const PlanPoint& tag) {
     const auto nearest = std::ranges::min_element(
         walls, {}, [&](const PlanPoint& wall) { return (wall.p - tag.p).squaredNorm(); });
-    return nearest != walls.end() && nearest->side != tag.side;
+    return nearest != walls.end() && nearest->side != tag.side &&
+           (nearest->p - tag.p).norm() < width / 2;
   });
   return 5 * at_other_wall > 4 * std::ssize(tags);
+}
+
+// Whether points of a side lie farther apart than the drive is wide: a bend between two of them
+// hardly shows.
+bool are_sparse(const PlanFit& fit) {
+  const auto [first, last] = std::ranges::minmax(fit.chainages);
+  return 2 * (last - first) > fit.width * static_cast<double>(fit.chainages.size());
 }
 
 // Plates, whose offsets the list states, are not rough.
 std::string advice_on(const std::vector<PlanPoint>& fitted, const PlanFit& fit, std::size_t off,
                       double tolerance, bool says_offsets) {
-  if (tags_are_exchanged(fitted)) {
+  if (tags_are_exchanged(fitted, fit.width)) {
     return "\nthe tags lie at points of the other wall: "
            "are left and right exchanged in their names, or in WL and WR?";
   }
-  if (off * 4 <= fitted.size()) return "\nmeasure these again, or take them out";
+  const std::string bends =
+      are_sparse(fit) ? "\nwhere the drive bends, list more points of its walls or its middle (CL)"
+                      : "";
+  if (off * 4 <= fitted.size()) return "\nmeasure these again, or take them out" + bends;
   const auto rough = says_offsets ? std::nullopt : roughness_of(fitted, fit, tolerance);
   std::string text;
   if (rough) {
@@ -338,7 +349,7 @@ std::string advice_on(const std::vector<PlanPoint>& fitted, const PlanFit& fit, 
         "through their points",
         1000 * rough->rms, 1000 * rough->tolerance);
   }
-  return text +
+  return text + bends +
          "\nlist the points of each kind along the drive; check their descriptions, the order of "
          "the columns (--order) and the grid's handedness (--x-axis)";
 }

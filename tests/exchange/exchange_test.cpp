@@ -609,6 +609,26 @@ TEST_CASE("the table for people says in millimetres what JSON says in metres") {
   CHECK(compared > 20);
 }
 
+TEST_CASE(
+    "lists too sparse to show a bend are refused with the remedy that more points are listed") {
+  const auto refused_with = [](double pitch) {
+    PointWriter points(0.002, 1);
+    for (double at = 1; at < 74; at += pitch) {
+      points.add(at, -2.1, 1.4, "TL");
+      points.add(at, 2.1, 1.4, "TR");
+    }
+    points.points[4].p += 0.6 * right_of(radians(20));
+    const TemporaryFolder folder;
+    const ProgramOutput made = draft(folder.path(), points.text("PENZD"),
+                                     "--order PENZD --tunnel-height 3 --mount-height 1.4");
+    REQUIRE(made.exit_code == 2);
+    CHECK(made.err.find("exchanged in their names") == std::string::npos);
+    return made.err.find("list more points of its walls") != std::string::npos;
+  };
+  CHECK(refused_with(7));
+  CHECK_FALSE(refused_with(2));
+}
+
 TEST_CASE("rough rock is refused with its scatter and the tolerance that takes it") {
   const TemporaryFolder folder;
   PointWriter points = surveyed_drift(0.003);
