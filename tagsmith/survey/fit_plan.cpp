@@ -329,6 +329,7 @@ MatrixXd jacobian_of(const PlanModel& model, const Values& values_of) {
 PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double scale) {
   constexpr int kRounds = 5;
   constexpr double kConverged = 1e-7;  // of the cost
+  constexpr double kLeast = 1e-8;  // where both sides of a break bend alike, it may lie anywhere
   VectorXd residuals = residuals_of(model, points);
   double damping = 1e-3;
   for (int round = 0; round < kRounds; ++round) {
@@ -340,7 +341,7 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
       const MatrixXd jacobian =
           jacobian_of(model, [&](const PlanModel& at) { return residuals_of(at, points); });
       MatrixXd normal = jacobian.transpose() * weights.asDiagonal() * jacobian;
-      normal.diagonal() += damping * normal.diagonal() + VectorXd::Constant(normal.rows(), 1e-12);
+      normal.diagonal() += damping * normal.diagonal() + VectorXd::Constant(normal.rows(), kLeast);
       PlanModel moved = model;
       moved.values -= solve_symmetric(
           normal, jacobian.transpose() * (weights.array() * residuals.array()).matrix());
