@@ -12,7 +12,7 @@
 
 #include "decoder/calibrate/mounting.hpp"
 #include "decoder/cli/observe_run.hpp"
-#include "decoder/localize/exchanged_cameras.hpp"
+#include "decoder/localize/altered_pictures.hpp"
 #include "decoder/localize/observation.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command.hpp"
@@ -235,7 +235,7 @@ int calibrate_mounting(const CalibrateMountingOptions& options) {
     to_stderr("tagsmith {}: {}: {}\n", kCalibrate, options.run.string(), why);
     return kExitFindings;
   };
-  const std::string exchanged = leave_out_exchanged(rows, surveys, input->rig);
+  const std::string exchanged = leave_out_altered(rows, surveys, input->rig);
   if (!exchanged.empty()) return refuse(exchanged);
   const Result<MountingFit> fit = fit_mounting(rows, input->survey, input->rig);
   if (!fit) return refuse(fit.error().message);

@@ -93,12 +93,13 @@ Json summary_values(const FixSummary& summary) {
 Json suspicion_json(const RigSuspicion& suspicion, const Rig& rig) {
   Json suspects = Json::array();
   for (const RigSuspect& suspect : suspicion.suspects) {
-    const bool is_focal = suspect.parameter == RigParameter::focal;
+    const bool is_of_all = suspect.camera.empty();
     const bool is_position = suspect.parameter == RigParameter::position;
-    const double unit = is_focal      ? find_camera(rig, suspect.camera)->camera.fx
-                        : is_position ? 1
-                                      : degrees(1.0);
-    suspects.push_back({{"camera", suspect.camera},
+    const double unit = is_of_all || is_position ? 1
+                        : suspect.parameter == RigParameter::focal
+                            ? find_camera(rig, suspect.camera)->camera.fx
+                            : degrees(1.0);
+    suspects.push_back({{"camera", json_or_null(suspect.camera)},
                         {"parameter", to_string(suspect.parameter)},
                         {"stated", unit * suspect.stated},
                         {"expected", unit * suspect.expected},
@@ -169,6 +170,12 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
                                  {"degrees", degrees(findings.turned->angle)},
                                  {"steps", findings.turned->steps}};
   }
+  if (findings.course) {
+    values["course_offset"] = {{"text", to_string(*findings.course)},
+                               {"degrees", degrees(findings.course->angle)},
+                               {"sigma_deg", degrees(findings.course->sigma)},
+                               {"steps", findings.course->steps}};
+  }
   if (findings.height) {
     values["wrong_height"] = {{"text", to_string(*findings.height)},
                               {"height", findings.height->height},
@@ -181,6 +188,7 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
                              {"sigmas", findings.range->sigmas},
                              {"tags_may_be_wrong", findings.range->tags_may_be_wrong}};
   }
+  if (!findings.altered.empty()) values["altered_photos"] = findings.altered;
   if (!findings.another_drive.empty()) values["another_drive"] = findings.another_drive;
   if (!findings.checked.mixed.empty()) values["mixed_rows"] = findings.checked.mixed;
   for (const SetAside& tag : findings.checked.aside) {

@@ -19,7 +19,7 @@
 #include "decoder/cli/follow.hpp"
 #include "decoder/cli/observe_run.hpp"
 #include "decoder/cli/run_drawing.hpp"
-#include "decoder/localize/exchanged_cameras.hpp"
+#include "decoder/localize/altered_pictures.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/localize_images.hpp"
@@ -250,11 +250,14 @@ void print_budgets(const std::vector<Fix>& fixes) {
   }
 }
 
-// Each note once, with the ids it is for.
+// Each note once, with the ids it is for; without what print_doubts says of all rows.
 void print_notes(const std::vector<Fix>& fixes) {
   std::map<std::string, std::vector<std::string>> ids_of_note;
   for (const Fix& fix : fixes) {
-    for (const std::string& note : fix.notes) ids_of_note[note].push_back(fix.id);
+    for (const std::string& note : fix.notes) {
+      if (fix.doubt.empty() || note != note_of_doubt(fix.doubt))
+        ids_of_note[note].push_back(fix.id);
+    }
   }
   for (const auto& [note, ids] : ids_of_note)
     to_stdout("note {}: {}\n", fmt::join(ids, ", "), note);
@@ -367,9 +370,24 @@ Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
   return files->publish();
 }
 
-void print_doubts(const RunFindings& findings) {
+// Why no position of the run should be used; empty = nothing says so.
+std::string doubt_of(const RunFindings& findings, const Rig& rig) {
+  if (const auto& suspicion = findings.checked.suspicion) {
+    return "the rig is in doubt: " + describe(*suspicion, rig);
+  }
+  if (findings.height) return to_string(*findings.height);
+  if (findings.turned) return to_string(*findings.turned);
+  if (findings.range && findings.range->tags_may_be_wrong) return to_string(*findings.range);
+  return {};
+}
+
+void print_doubts(const RunFindings& findings, const Rig& rig) {
   constexpr const char* kDoubt = "do not rely on these positions";
+  if (const auto& suspicion = findings.checked.suspicion) {
+    to_stdout("the rig is in doubt: {}\n", describe(*suspicion, rig));
+  }
   if (findings.rolling) to_stdout("note: {}\n", to_string(*findings.rolling));
+  if (findings.course) to_stdout("note: {}\n", to_string(*findings.course));
   if (findings.turned) to_stdout("{}: {}\n", kDoubt, to_string(*findings.turned));
   if (findings.height) to_stdout("{}: {}\n", kDoubt, to_string(*findings.height));
   if (findings.range) {
@@ -451,8 +469,9 @@ int run_localize(LocalizeOptions options) {
   std::vector<Observation> rows =
       observe_run(input->run, input->surveys, input->rig, reader_for(options), options.jobs);
   const bool lacks_pictures = report_lacking_pictures(rows);
-  leave_out_exchanged(rows, input->surveys, input->rig);
   RunFindings findings;
+  findings.altered = leave_out_altered(rows, input->surveys, input->rig);
+  if (!findings.altered.empty()) to_stderr("{}: {}\n", kLocalize, findings.altered);
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
     findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
   }
@@ -461,6 +480,7 @@ int run_localize(LocalizeOptions options) {
     findings.rolling = rolling_shutter(located.front(), rows, input->surveys, input->rig);
   }
   findings.turned = turned_headings(located.front());
+  findings.course = course_offset(located.front());
   findings.height = wrong_height(located.front(), input->surveys, input->rig);
   findings.range = wrong_range(located.front(), input->rig);
   report_set_aside(findings.checked);
@@ -469,9 +489,12 @@ int run_localize(LocalizeOptions options) {
     if (!smoothed) return report_failure(kLocalize, smoothed.error());
     located.front() = std::move(*smoothed);
   }
-  if (options.confirmed) {
-    for (std::vector<Fix>& fixes : located)
-      std::ranges::transform(fixes, fixes.begin(), if_confirmed);
+  const std::string doubt = doubt_of(findings, input->rig);
+  for (std::vector<Fix>& fixes : located) {
+    for (Fix& fix : fixes) {
+      if (!doubt.empty()) fix = doubted(std::move(fix), doubt);
+      if (options.confirmed) fix = if_confirmed(std::move(fix));
+    }
   }
   const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
@@ -486,16 +509,11 @@ int run_localize(LocalizeOptions options) {
   } else {
     print_tables(located, *input, options.explain);
     if (!findings.another_drive.empty()) to_stdout("{}\n", findings.another_drive);
-    if (const auto& suspicion = findings.checked.suspicion) {
-      to_stdout("the rig is in doubt: {}\n", describe(*suspicion, input->rig));
-    }
-    print_doubts(findings);
+    print_doubts(findings, input->rig);
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
-  const bool is_in_doubt = findings.checked.suspicion || findings.turned || findings.height ||
-                           (findings.range && findings.range->tags_may_be_wrong);
-  return std::ranges::all_of(fixes, is_located) && !lacks_pictures && !is_in_doubt ? kExitOk
-                                                                                   : kExitFindings;
+  const bool is_sound = !lacks_pictures && findings.altered.empty() && doubt.empty();
+  return is_sound && std::ranges::all_of(fixes, is_located) ? kExitOk : kExitFindings;
 }
 
 }  // namespace
@@ -533,7 +551,8 @@ Command localize_command() {
                "Without a survey: width of the straight tunnel, m; its right wall is at x = 0"),
            flag("--confirmed", &options->confirmed,
                 "No position where a wrong plate would go unnoticed: by one tag alone, unless the "
-                "motion (--smooth, --follow) by other tags agrees"),
+                "motion (--smooth, --follow) by other tags agrees; none in a run whose rows "
+                "together doubt the rig"),
            flag("--follow", &options->follow,
                 "Read measurements as JSON lines from standard input and answer each at once"),
            value_option("-o,--output,--csv", &options->csv, "FIXES.csv",

@@ -33,6 +33,7 @@ struct KindWords {
 constexpr auto kKindWords = std::to_array<KindWords>({
     {"plate_place", "the place of "},
     {"wall_places", "the width of the tunnel or the spacing of the plates"},
+    {"wall_shift", "a common shift of the plates of one wall: "},
     {"plate_size", "the size of the plates"},
     {"mounting", "the mounting of camera "},
     {"lens", "the lens of camera "},
@@ -82,11 +83,13 @@ Pose world_from_vehicle(const Fix& fix, const Grid& grid) {
                              fix.attitude->pitch, fix.attitude->roll});
 }
 
+std::string note_of_doubt(const std::string& why) { return "do not rely on this position: " + why; }
+
 Fix doubted(Fix fix, std::string why) {
   if (!fix.position_in_grid) return fix;
   fix.doubt = std::move(why);
   fix.confirmations = 0;
-  fix.notes.push_back("do not rely on this position: " + fix.doubt);
+  fix.notes.push_back(note_of_doubt(fix.doubt));
   return fix;
 }
 

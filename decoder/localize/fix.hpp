@@ -67,7 +67,8 @@ struct FittedCorners {
 struct Unchecked {
   enum class Kind {
     plate_place,     // a plate hangs elsewhere than surveyed; `name`: the tag
-    wall_places,     // the plates of a wall, or all of them along the drive
+    wall_places,     // the plates of both walls farther out, or all of them along the drive
+    wall_shift,      // the plates of one wall are shifted alike; `name`: the wall
     plate_size,      // plates are of another size than the template
     mounting,        // a camera stands or looks otherwise; `name`: the camera
     lens,            // a camera's focal length, centre or distortion; `name`: the camera
@@ -148,6 +149,9 @@ Pose world_from_vehicle(const Fix& fix, const Grid& grid);
 
 // The position with a note that it should not be used and why, and without confirmations.
 Fix doubted(Fix fix, std::string why);
+
+// "do not rely on this position: ..."
+std::string note_of_doubt(const std::string& why);
 
 // The fix, or no position with the reason where nothing confirms it.
 Fix if_confirmed(Fix fix);

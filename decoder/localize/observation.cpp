@@ -96,6 +96,7 @@ SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& co
 SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey) {
   SightedPlate plate;
   plate.name = tag.name;
+  plate.side = tag.side;
   plate.world_from_plate = tag.world_from_plate;
   plate.length = survey.tag_template.frame_inner_length;
   plate.height = survey.tag_template.frame_inner_height;

@@ -15,12 +15,14 @@
 #include "decoder/feature_frame/corner_covariance.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/tunnel.hpp"
 
 namespace tagsmith::detail {
 
 // A plate of which something was seen.
 struct SightedPlate {
   std::string name;
+  Side side = Side::left;  // the wall on which it hangs
   Pose world_from_plate;
   double length = 0;  // of the feature frame's inner edge, metres
   double height = 0;

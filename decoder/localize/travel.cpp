@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
@@ -21,6 +22,10 @@ namespace {
 // a hundred correct runs exceeds it, if all rows have the same error.
 constexpr double kMostSigmas = 2.5;
 
+bool is_of_use(const Fix& fix) {
+  return fix.position_in_grid && fix.covariance_in_grid && fix.attitude && !fix.predicted;
+}
+
 double plane_sigma(const Fix& fix) {
   return std::sqrt(fix.covariance_in_grid->topLeftCorner<2, 2>().trace());
 }
@@ -31,17 +36,37 @@ Eigen::Vector2d step_between(const Fix& from, const Fix& to) {
 
 constexpr double kShortestStep = 0.5;  // metres
 
+// The steps of half a metre and more from one position to a later one.
+std::vector<std::pair<const Fix*, const Fix*>> steps_of(std::span<const Fix> fixes) {
+  std::vector<std::pair<const Fix*, const Fix*>> steps;
+  const Fix* before = nullptr;
+  for (const Fix& fix : fixes) {
+    if (!is_of_use(fix)) continue;
+    if (before != nullptr) {
+      if (step_between(*before, fix).norm() < kShortestStep) continue;
+      steps.emplace_back(before, &fix);
+    }
+    before = &fix;
+  }
+  return steps;
+}
+
+// From the mean of the headings at the ends to the step between them. Along a bend the step's
+// direction is between these headings.
+double angle_to_step(const Fix& from, const Fix& to) {
+  const Eigen::Vector2d step = step_between(from, to);
+  const std::complex<double> heading =
+      std::polar(1.0, from.attitude->heading) + std::polar(1.0, to.attitude->heading);
+  return wrapped_angle(std::atan2(step.x(), step.y()) - std::arg(heading));
+}
+
 // A unit number whose argument is twice the angle from the heading to the step, so that forwards
 // and backwards are the same. Nothing where the step is too short to determine its direction.
 std::optional<std::complex<double>> twice_the_angle(const Fix& from, const Fix& to) {
   const double unsure = radians(3);
-  const Eigen::Vector2d step = step_between(from, to);
-  if (plane_sigma(from) + plane_sigma(to) > step.norm() * std::tan(unsure)) return std::nullopt;
-  const double direction = std::atan2(step.x(), step.y());
-  // Along a bend the step's direction is between the headings at its ends.
-  const std::complex<double> heading =
-      std::polar(1.0, from.attitude->heading) + std::polar(1.0, to.attitude->heading);
-  return std::polar(1.0, 2 * (direction - std::arg(heading)));
+  const double length = step_between(from, to).norm();
+  if (plane_sigma(from) + plane_sigma(to) > length * std::tan(unsure)) return std::nullopt;
+  return std::polar(1.0, 2 * angle_to_step(from, to));
 }
 
 // How far the position may be off by a mistake that the measurement does not reveal, metres.
@@ -49,10 +74,6 @@ double greatest_unnoticed(const Fix& fix) {
   double greatest = 0;
   for (const Unchecked& mistake : fix.unchecked) greatest = std::max(greatest, mistake.metres);
   return greatest;
-}
-
-bool is_of_use(const Fix& fix) {
-  return fix.position_in_grid && fix.covariance_in_grid && fix.attitude && !fix.predicted;
 }
 
 }  // namespace
@@ -63,17 +84,11 @@ std::optional<TurnedHeadings> turned_headings(std::span<const Fix> fixes) {
   const double least = radians(20);
   std::complex<double> sum = 0;
   std::size_t steps = 0;
-  const Fix* before = nullptr;
-  for (const Fix& fix : fixes) {
-    if (!is_of_use(fix)) continue;
-    if (before != nullptr) {
-      if (step_between(*before, fix).norm() < kShortestStep) continue;
-      if (const auto turned = twice_the_angle(*before, fix)) {
-        sum += *turned;
-        ++steps;
-      }
+  for (const auto& [from, to] : steps_of(fixes)) {
+    if (const auto turned = twice_the_angle(*from, *to)) {
+      sum += *turned;
+      ++steps;
     }
-    before = &fix;
   }
   const double angle = -std::arg(sum) / 2;
   if (steps < kLeastSteps || std::abs(sum) < kLeastAgreement * static_cast<double>(steps) ||
@@ -81,6 +96,34 @@ std::optional<TurnedHeadings> turned_headings(std::span<const Fix> fixes) {
     return std::nullopt;
   }
   return TurnedHeadings{angle, steps};
+}
+
+std::optional<CourseOffset> course_offset(std::span<const Fix> fixes) {
+  constexpr std::size_t kLeastSteps = 5;
+  constexpr double kSurely = 4;    // standard deviations
+  constexpr double kRearAxle = 1;  // metres from O, at most
+  const double least = radians(0.2);
+  std::vector<double> angles, weights, heading_sigmas;
+  for (const auto& [from, to] : steps_of(fixes)) {
+    const auto twice = twice_the_angle(*from, *to);
+    if (!twice || !to->pose_covariance_in_grid) continue;
+    const double length = step_between(*from, *to).norm();
+    const double bend = wrapped_angle(to->attitude->heading - from->attitude->heading) / length;
+    angles.push_back(-std::arg(*twice) / 2);
+    heading_sigmas.push_back(std::sqrt((*to->pose_covariance_in_grid)(3, 3)));
+    const double noise = std::hypot(plane_sigma(*from), plane_sigma(*to)) / length;
+    weights.push_back(1 / std::pow(std::hypot(noise, heading_sigmas.back(), kRearAxle * bend), 2));
+  }
+  if (angles.size() < kLeastSteps) return std::nullopt;
+  const auto count = static_cast<Eigen::Index>(angles.size());
+  const Eigen::Map<const Eigen::ArrayXd> angle(angles.data(), count);
+  const Eigen::Map<const Eigen::ArrayXd> weight(weights.data(), count);
+  const double mean = (weight * angle).sum() / weight.sum();
+  const double scatter = (weight * (angle - mean).square()).sum() / static_cast<double>(count - 1);
+  const double noise = std::sqrt(std::max(1.0, scatter) / weight.sum());
+  const CourseOffset offset{mean, std::hypot(noise, quantile(heading_sigmas, 0.5)), angles.size()};
+  const bool is_sure = std::abs(mean) > std::max(least, kSurely * offset.sigma);
+  return is_sure && !turned_headings(fixes) ? std::optional(offset) : std::nullopt;
 }
 
 std::optional<WrongHeight> wrong_height(std::span<const Fix> fixes,
@@ -230,6 +273,15 @@ std::string to_string(const TurnedHeadings& turned) {
       "the headings are turned by {:.0f} degrees to the {} of the way that the vehicle went, in {} "
       "steps: a camera looks elsewhere than the rig says, or its photos are another camera's",
       std::abs(degrees(turned.angle)), turned.angle > 0 ? "right" : "left", turned.steps);
+}
+
+std::string to_string(const CourseOffset& offset) {
+  return fmt::format(
+      "the headings are turned by {:.2f} +-{:.2f} degrees to the {} of the way that the vehicle "
+      "went, in {} steps: unless it was not driven from place to place, all cameras are turned on "
+      "it by as much, and headings are off by that; calibrate their mounting on the vehicle",
+      std::abs(degrees(offset.angle)), degrees(offset.sigma), offset.angle > 0 ? "right" : "left",
+      offset.steps);
 }
 
 }  // namespace tagsmith::detail

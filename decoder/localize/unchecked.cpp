@@ -147,7 +147,8 @@ void Effects::add_plates() {
   });
 }
 
-// All plates out of their walls, and along the drive by their distance from the vehicle.
+// All plates out of their walls, and along the drive by their distance from the vehicle; those of
+// one wall shifted alike.
 void Effects::add_walls() {
   add(Unchecked::Kind::wall_places, "", 2, [&](const SeenRows& seen) -> Rows {
     const SightedPlate& plate = problem_.plates[seen.plate];
@@ -159,6 +160,16 @@ void Effects::add_walls() {
         seen.rows.by_plate.leftCols<3>() * along;
     return rows;
   });
+  for (const Side side : {Side::left, Side::right}) {
+    const auto count = std::ranges::count_if(fit_.rows.plates, [&](const auto& group) {
+      return problem_.plates[group.plate].side == side;
+    });
+    if (count < 2) continue;  // add_plates has it
+    add(Unchecked::Kind::wall_shift, to_string(side), 3, [&](const SeenRows& seen) -> Rows {
+      if (problem_.plates[seen.plate].side != side) return Rows::Zero(kSightingRows, 3);
+      return kShift * seen.rows.by_plate.leftCols<3>();
+    });
+  }
 }
 
 void Effects::add_cameras() {

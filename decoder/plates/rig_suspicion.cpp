@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <map>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -182,7 +185,6 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
   const Eigen::MatrixXd& covariance = with.fit.adjustment.calibration_covariance;
   RigSuspect suspect{stated.name, RigParameter::focal, 1, fitted.camera.fx / stated.camera.fx};
   suspect.sigma = std::sqrt(covariance(place, place));
-  suspect.rows_explained = with.rows;
   if (trial.first == kFocal) return suspect;
   if (trial.first < kFirstAngle) {
     take_shift(stated, fitted, covariance.block<3, 3>(place, place), suspect);
@@ -244,13 +246,25 @@ struct Candidate {
   double chi_square = 0;  // including the cost of further parameters
 };
 
-// Rigs that explain the rows much better than the rig as stated.
-std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Stated& as_stated) {
-  constexpr double kSurely = 4;   // standard deviations
-  constexpr double kOfTurn = 14;  // of chi-square: two angles more, and their odds
+// Of chi-square: a further parameter, and its odds. One value of one camera has no such cost.
+constexpr double kOfParameter = 7;
+
+// Takes what explains the rows much better than the rig as stated, if it surely differs from that.
+// `further`: cost of further parameters; `stated_sigma`: of the parameter.
+void take_if_sure(const Explained& with, RigSuspect suspect, double stated_sigma, double further,
+                  std::vector<Candidate>& candidates) {
+  constexpr double kSurely = 4;  // standard deviations
+  const double sigma = std::hypot(suspect.sigma, stated_sigma);
+  if (std::abs(suspect.expected - suspect.stated) < kSurely * sigma) return;
+  suspect.rows_explained = with.rows;
+  candidates.push_back({std::move(suspect), with.chi_square + further});
+}
+
+void try_cameras(const Survey& survey, const Rig& rig, const Stated& as_stated,
+                 std::vector<Candidate>& result) {
+  constexpr double kOfTurn = 2 * kOfParameter;
   const Drive& drive = *as_stated.drive;
   const std::vector<ParameterSigmas> stated = stated_sigmas(rig);
-  std::vector<Candidate> result;
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     if (!sees_anything(drive, camera)) continue;
     for (const Trial& trial : kTrials) {
@@ -261,12 +275,102 @@ std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const St
       const auto with = explained(survey, drive, start_for(survey, rig, drive, camera, trial),
                                   sigmas, as_stated.excess);
       if (!with || !is_better(*with, as_stated)) continue;
-      const RigSuspect suspect = suspect_of(rig, camera, trial, *with);
-      const double sigma = std::hypot(suspect.sigma, stated[camera][trial.first]);
-      if (std::abs(suspect.expected - suspect.stated) < kSurely * sigma) continue;
-      result.push_back({suspect, with->chi_square + (trial.count > 1 ? kOfTurn : 0)});
+      take_if_sure(*with, suspect_of(rig, camera, trial, *with), stated[camera][trial.first],
+                   trial.count > 1 ? kOfTurn : 0, result);
     }
   }
+}
+
+// All cameras' focal lengths, each by itself: an image size or a unit that is wrong for all. Not
+// where one camera's alone explains as many rows.
+void try_focal_lengths(const Survey& survey, const Rig& rig, const Stated& as_stated,
+                       std::vector<Candidate>& result) {
+  std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
+  for (ParameterSigmas& camera : sigmas) camera[kFocal] = kFreeFocal;
+  const auto with = explained(survey, *as_stated.drive, rig, sigmas, as_stated.excess);
+  if (!with || !is_better(*with, as_stated)) return;
+  const auto is_enough = [&](const Candidate& one) {
+    return one.suspect.parameter == RigParameter::focal && one.suspect.rows_explained >= with->rows;
+  };
+  if (std::ranges::any_of(result, is_enough)) return;
+  RigSuspect suspect{"", RigParameter::focal, 1, 0};
+  double stated_sigma = 0;
+  double cameras = 0;
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    if (!sees_anything(*as_stated.drive, i)) continue;
+    const auto place = static_cast<Eigen::Index>(with->fit.layout.places[i][kFocal]);
+    const double variance = with->fit.adjustment.calibration_covariance(place, place);
+    suspect.expected += with->fit.rig.cameras[i].camera.fx / rig.cameras[i].camera.fx;
+    suspect.sigma = std::max(suspect.sigma, std::sqrt(variance));
+    stated_sigma = std::max(stated_sigma, stated_sigmas(rig)[i][kFocal]);
+    ++cameras;
+  }
+  suspect.expected /= cameras;
+  take_if_sure(*with, suspect, stated_sigma, kOfParameter * (cameras - 1), result);
+}
+
+Drive with_plates_of(double size, Drive drive) {
+  for (SightedPlate& plate : drive.plates) {
+    plate.length *= size;
+    plate.height *= size;
+  }
+  return drive;
+}
+
+// The logarithm of the plates' size with which a drive fits best: the minimum of chi-square by
+// golden sections around the best of a grid. Nothing where no fit converges.
+std::optional<double> best_log_size(const std::function<double(double)>& chi_square) {
+  constexpr double kFirst = 0.4, kStep = 0.05;  // of two thirds to one and a half
+  const double ratio = std::numbers::phi - 1;
+  double best = 0;
+  for (double size = -kFirst; size < kFirst + kStep / 2; size += kStep) {
+    if (chi_square(size) < chi_square(best)) best = size;
+  }
+  double low = best - kStep, high = best + kStep;
+  while (high - low > 1e-5) {
+    const double a = high - ratio * (high - low), b = low + ratio * (high - low);
+    (chi_square(a) < chi_square(b) ? high : low) = chi_square(a) < chi_square(b) ? b : a;
+  }
+  best = (low + high) / 2;
+  return std::isfinite(chi_square(best)) ? std::optional(best) : std::nullopt;
+}
+
+// All plates larger or smaller than their template, as a print that was scaled, or another
+// template.
+void try_plate_size(const Survey& survey, const Rig& rig, const Stated& as_stated,
+                    std::vector<Candidate>& result) {
+  const std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
+  std::map<double, double> known;
+  const auto chi_square = [&](double log_size) {
+    const auto [entry, is_new] =
+        known.try_emplace(log_size, std::numeric_limits<double>::infinity());
+    if (!is_new) return entry->second;
+    const Drive drive = with_plates_of(std::exp(log_size), *as_stated.drive);
+    if (const auto fit = fit_drive(survey, drive, rig, sigmas)) {
+      entry->second = fit->adjustment.chi_square;
+    }
+    return entry->second;
+  };
+  const auto best = best_log_size(chi_square);
+  if (!best) return;
+  constexpr double kAside = 0.002;
+  const Drive sized = with_plates_of(std::exp(*best), *as_stated.drive);
+  const auto fit = fit_drive(survey, sized, rig, sigmas);
+  const auto with = explained(survey, sized, rig, sigmas, as_stated.excess);
+  const double rise =
+      chi_square(*best - kAside) + chi_square(*best + kAside) - 2 * chi_square(*best);
+  if (!fit || !with || !is_better(*with, as_stated) || !(rise > 0)) return;
+  RigSuspect suspect{"", RigParameter::plate_size, 1, std::exp(*best)};
+  suspect.sigma = std::sqrt(2 * usual_excess(*fit, sized) / rise) * kAside;
+  take_if_sure(*with, suspect, 0, kOfParameter, result);
+}
+
+// Rigs, and plates of another size, that explain the rows much better than the rig as stated.
+std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Stated& as_stated) {
+  std::vector<Candidate> result;
+  try_cameras(survey, rig, as_stated, result);
+  try_focal_lengths(survey, rig, as_stated, result);
+  try_plate_size(survey, rig, as_stated, result);
   return result;
 }
 
@@ -288,6 +392,13 @@ NamedYaw named_yaw(const RigCamera& camera) {
 
 // "left: alpha 40.00 +-0.01 degrees in place of 35.00"
 std::string words_for(const RigSuspect& suspect, const Rig& rig) {
+  if (suspect.camera.empty()) {
+    const bool is_size = suspect.parameter == RigParameter::plate_size;
+    return fmt::format("{} {:.4f} +-{:.4f} times {}",
+                       is_size ? "plates" : "focal lengths of all cameras", suspect.expected,
+                       std::max(1e-4, suspect.sigma),
+                       is_size ? "as large as the template says" : "the stated ones");
+  }
   const RigCamera& camera = *find_camera(rig, suspect.camera);
   if (suspect.parameter == RigParameter::focal) {
     return fmt::format("{}: a focal length of {:.1f} +-{:.1f} pixels in place of {:.1f}",
@@ -396,8 +507,8 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
 }
 
 const char* to_string(RigParameter parameter) {
-  constexpr std::array kNames{"yaw", "pitch", "roll", "turn", "focal", "position"};
-  static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::position) + 1);
+  constexpr std::array kNames{"yaw", "pitch", "roll", "turn", "focal", "position", "plate_size"};
+  static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::plate_size) + 1);
   return kNames[static_cast<std::size_t>(parameter)];
 }
 

@@ -14,7 +14,7 @@
 
 namespace tagsmith::detail {
 
-enum class RigParameter { yaw, pitch, roll, turn, focal, position };
+enum class RigParameter { yaw, pitch, roll, turn, focal, position, plate_size };
 
 // "yaw", "pitch", "roll", "turn", "focal", "position".
 const char* to_string(RigParameter parameter);
@@ -22,9 +22,9 @@ const char* to_string(RigParameter parameter);
 // A single value of the rig, or a camera's turn about any axis or its place, that would explain
 // what the tags show.
 struct RigSuspect {
-  std::string camera;
+  std::string camera;  // empty = all cameras: their focal lengths, or the plates' size
   RigParameter parameter = RigParameter::yaw;
-  double stated = 0;  // radians; of the focal length 1, of a turn and a position 0
+  double stated = 0;  // radians; of focal lengths and plates' size 1, of a turn and a position 0
   double expected = 0;
   double sigma = 0;  // of the expected value
   std::size_t rows_explained = 0;

@@ -168,12 +168,12 @@ std::vector<WallFault> room_faults(const Survey& survey, const PlacedTag& tag,
   return faults;
 }
 
-// Whether a surveyed P lies on the wall that its side says.
+// Whether the middle of the frame of a surveyed tag lies on the wall that its side says.
 void check_on_wall(const Survey& survey, const SourcedTag& entry, const CenterlineAddress& middle,
                    FindingLog& log) {
   const Tunnel& tunnel = survey.tunnel;
   const PlacedTag& tag = entry.tag;
-  const std::string subject = "tag " + tag.name + ": P lies ";
+  const std::string subject = "tag " + tag.name + ": the middle of its frame lies ";
   const char* kRemedy = "check p, the walls that `tunnel` says, and the center line";
   const double behind = behind_wall(tunnel, tag.side, middle);
   const double into_rock = behind - tunnel.stand_off;

@@ -125,6 +125,14 @@ void move_wall(World& world, Draws& draws) {
   }
 }
 
+void shift_wall(World& world, Draws& draws) {
+  const Side side = draws.chance(0.5) ? Side::left : Side::right;
+  const Vector3d shift = between(draws, 0.005, 0.5) * direction(draws);
+  for (HungPlate& plate : world.plates) {
+    if (plate.tag.side == side) plate.world_from_plate.translation += shift;
+  }
+}
+
 // Plates along the drive as another spacing hangs them, from the plate nearest to the vehicle on:
 // that the whole row is shifted as well is the mistake of a survey moved as a whole.
 void stretch_spacing(World& world, Draws& draws) {
@@ -236,6 +244,9 @@ std::vector<Mistake> mistakes() {
       {"plates of a wall farther out",
        {plate_place, wall_places},
        [](const Site&, World& w, Draws& d) { move_wall(w, d); }},
+      {"plates of a wall shifted alike",
+       {plate_place, wall_shift},
+       [](const Site&, World& w, Draws& d) { shift_wall(w, d); }},
       {"spacing of all plates",
        {plate_place, wall_places},
        [](const Site&, World& w, Draws& d) { stretch_spacing(w, d); }},

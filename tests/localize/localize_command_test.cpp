@@ -501,6 +501,33 @@ TEST_CASE("photos of another drive than the survey's are told as such") {
   CHECK_FALSE(summary_of("corridor").contains("another_drive"));
 }
 
+TEST_CASE("no row of a run that contradicts its rig is confirmed") {
+  // A camera 10 mm from its place, which is stated to 1 mm: rows are located.
+  const TemporaryFolder folder;
+  std::string rig = contents("surveys/corridor/rig.yaml");
+  const std::string left = "side: left, sigma: 0 }";
+  rig.replace(rig.find(left), left.size(),
+              "side: left, position: [0, 0.01, 0], "
+              "sigma: { position: 0.001, angle: 0.01, focal: 0, center: 0 } }");
+  const std::string file = file_with(folder.path() / "rig.yaml", rig);
+  const std::string command = "localize surveys/corridor/survey.yaml --rig '" + file +
+                              "' --run surveys/corridor/run.csv --json";
+  const ProgramOutput output = run_tagsmith(command);
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.back()["summary"].contains("rig_suspicion"));
+  CHECK(lines.back()["summary"]["located"].get<int>() >= 5);
+  CHECK(lines.back()["summary"]["confirmed"] == 0);
+  for (const json& line : std::span(lines).first(lines.size() - 1)) {
+    if (line["status"] != "ok") continue;
+    CHECK(line["confirmations"] == 0);
+    CHECK(line["notes"].dump().find("do not rely on this position: the rig is in doubt") !=
+          std::string::npos);
+  }
+  const json summary = json_lines(run_tagsmith(command + " --confirmed").out).back()["summary"];
+  CHECK(summary["located"] == 0);
+}
+
 TEST_CASE("a rig that all rows contradict in the same way is told with the value they expect") {
   const TemporaryFolder folder;
   std::string rig = contents("surveys/corridor/rig.yaml");

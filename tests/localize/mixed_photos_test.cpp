@@ -2,13 +2,14 @@
 // Photos that were not taken together, or by another camera than stated, give no position.
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
-#include "decoder/localize/exchanged_cameras.hpp"
+#include "decoder/localize/altered_pictures.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/repeated_pictures.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -185,14 +186,55 @@ TEST_CASE("exchanged photos of two cameras are told, and locate nothing") {
       seen.camera = seen.camera == "left" ? "right" : "left";
     }
   }
-  CHECK(leave_out_exchanged(right, {site.survey}, site.rig).empty());
+  CHECK(leave_out_altered(right, {site.survey}, site.rig).empty());
   CHECK_FALSE(right.front().tags.empty());
-  CHECK(leave_out_exchanged(wrong, {site.survey}, site.rig).find("left and right are exchanged") !=
+  CHECK(leave_out_altered(wrong, {site.survey}, site.rig).find("left and right are exchanged") !=
         std::string::npos);
   for (const Observation& row : wrong) {
     const Fix fix = localize_jointly(row, {site.survey}, site.rig);
     CHECK_FALSE(fix.position_in_grid);
     CHECK(fix.reason.find("exchanged") != std::string::npos);
+  }
+}
+
+TEST_CASE("mirrored and turned photos are told by what was done to them, and locate nothing") {
+  const Site site = site_named("corridor");
+  const Camera& camera = site.rig.cameras.front().camera;
+  // What a reader says of the corners of a picture whose columns or rows are reversed.
+  const auto reversed = [&](FrameCorners corners, bool across, bool down) {
+    for (PixelPoint& corner : corners) {
+      if (across) corner.x = camera.width - 1 - corner.x;
+      if (down) corner.y = camera.height - 1 - corner.y;
+    }
+    if (across != down) std::ranges::reverse(corners);
+    return corners;
+  };
+  struct Case {
+    bool across, down;
+    std::set<std::string> cameras;
+    std::string words;
+  };
+  const std::vector<Case> cases{
+      {true, true, {"left", "right"}, "all photos are turned by 180 degrees"},
+      {true, false, {"left", "right"}, "all photos are mirrored left to right"},
+      {true, false, {"right"}, "the photos of camera right are mirrored left to right"},
+      {false, true, {"left"}, "the photos of camera left are mirrored top to bottom"},
+      {true, true, {"left"}, "the photos of camera left are turned by 180 degrees"}};
+  for (const Case& made : cases) {
+    CAPTURE(made.words);
+    std::vector<Observation> rows;
+    for (double chainage = 1; chainage < 5; chainage += 0.5) {
+      rows.push_back(observation_at(site, pose_at(site, chainage, 0.1)));
+      for (SeenTag& seen : rows.back().tags) {
+        if (!made.cameras.contains(seen.camera)) continue;
+        seen.seen_corners->corners = reversed(seen.seen_corners->corners, made.across, made.down);
+      }
+    }
+    const std::string told = leave_out_altered(rows, {site.survey}, site.rig);
+    CHECK_MESSAGE(told.starts_with(made.words), made.words, ": ", told);
+    for (const Observation& row : rows) {
+      for (const std::string& altered : made.cameras) CHECK(tags_of(row, altered).empty());
+    }
   }
 }
 
@@ -234,6 +276,6 @@ TEST_CASE("a camera that looks elsewhere is not taken for another one") {
   site.rig.cameras[0].vehicle_from_camera.rotation =
       Eigen::AngleAxisd(radians(8), Eigen::Vector3d::UnitZ()) *
       site.rig.cameras[0].vehicle_from_camera.rotation;
-  CHECK(leave_out_exchanged(rows, {site.survey}, site.rig).empty());
+  CHECK(leave_out_altered(rows, {site.survey}, site.rig).empty());
   CHECK_FALSE(rows.front().tags.empty());
 }

@@ -19,6 +19,7 @@ Fix fix_at(double x, double y, double heading, double sigma = 0.002) {
   fix.position_in_grid = {x, y, 0.3};
   fix.covariance_in_grid = sigma * sigma * Eigen::Matrix3d::Identity();
   fix.attitude = Attitude{heading, 0, 0};
+  fix.pose_covariance_in_grid = std::pow(radians(0.05), 2) * PoseCovariance::Identity();
   return fix;
 }
 
@@ -49,6 +50,31 @@ TEST_CASE("headings that are turned from the way are told by their angle") {
   CHECK_FALSE(turned_headings(drive(8, std::numbers::pi)));
   CHECK(degrees(turned_headings(drive(8, radians(110)))->angle) ==
         doctest::Approx(-70).epsilon(0.03));
+}
+
+TEST_CASE("headings that differ a little from a way straight on are told with their uncertainty") {
+  const auto straight = [](double turned, double beside, double heading_sigma) {
+    std::vector<Fix> fixes;
+    for (int i = 0; i < 10; ++i) {
+      fixes.push_back(fix_at(i % 2 == 0 ? beside : -beside, i, radians(turned)));
+      (*fixes.back().pose_covariance_in_grid)(3, 3) = heading_sigma * heading_sigma;
+    }
+    return course_offset(fixes);
+  };
+  const double sure = radians(0.05);
+  for (const double turned : {1.0, -1.0, 15.0, 0.6}) {
+    CAPTURE(turned);
+    const auto told = straight(turned, 0.001, sure);
+    REQUIRE(told);
+    CHECK(degrees(told->angle) == doctest::Approx(turned).epsilon(0.05));
+    CHECK(degrees(told->sigma) < 0.15);
+    CHECK(told->steps == 9);
+  }
+  CHECK_FALSE(straight(0.1, 0.001, sure));           // too little to matter
+  CHECK_FALSE(straight(1, 0.001, radians(0.5)));     // within what the rig says of its angles
+  CHECK_FALSE(straight(1, 0.05, sure));              // not driven straight on
+  CHECK_FALSE(straight(40, 0.001, sure));            // turned_headings says more
+  CHECK_FALSE(course_offset(drive(8, radians(1))));  // in a bend, the rear axle explains it
 }
 
 TEST_CASE("nothing is told of headings that fit, nor of few, short or uncertain steps") {

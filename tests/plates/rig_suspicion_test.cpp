@@ -82,6 +82,43 @@ TEST_CASE("a wrong focal length is told with the right one") {
   CHECK(std::abs(suspicion->suspects[0].expected - 6 / 5.5) < 0.002);
 }
 
+TEST_CASE("focal lengths that are all wrong are told by their factor") {
+  for (const double factor : {0.97, 1.03, 1.2}) {
+    CAPTURE(factor);
+    const Seen seen = corridor_seen(8);
+    Rig wrong = seen.site.rig;
+    for (RigCamera& camera : wrong.cameras) {
+      camera.camera.fx /= factor;
+      camera.camera.fy /= factor;
+    }
+    const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+    REQUIRE(suspicion);
+    const RigSuspect* all = suspect_named(*suspicion, "");
+    REQUIRE(all != nullptr);
+    CHECK(all->parameter == RigParameter::focal);
+    CHECK(std::abs(all->expected - factor) < 0.002);
+    CHECK(all->sigma < 0.002);
+    CHECK(describe(*suspicion, wrong).starts_with("focal lengths of all cameras"));
+  }
+}
+
+TEST_CASE("plates of another size than their template are told by their factor") {
+  for (const double factor : {0.96, 1.01, 1.25}) {
+    CAPTURE(factor);
+    Seen seen = corridor_seen(8);
+    seen.site.survey.tag_template.frame_inner_length /= factor;
+    seen.site.survey.tag_template.frame_inner_height /= factor;
+    const auto suspicion = suspect_rig(seen.rows, seen.site.survey, seen.site.rig);
+    REQUIRE(suspicion);
+    const RigSuspect* plates = suspect_named(*suspicion, "");
+    REQUIRE(plates != nullptr);
+    CHECK(plates->parameter == RigParameter::plate_size);
+    CHECK(std::abs(plates->expected - factor) < 4 * plates->sigma);
+    CHECK(plates->sigma < 0.001);
+    CHECK(describe(*suspicion, seen.site.rig).starts_with("plates "));
+  }
+}
+
 TEST_CASE("a camera that hangs askew about its axis is told") {
   const Seen seen = corridor_seen(9);
   Rig wrong = seen.site.rig;
