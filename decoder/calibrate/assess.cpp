@@ -227,9 +227,8 @@ void find_bad_photos(const Case& c, Findings& findings) {
 // camera better than chance allows.
 void find_differing(const Case& c, Findings& findings) {
   const CameraScatter scatter = camera_scatter(c.calibration.sightings);
-  const double limit = chi_square_limit(std::max(1, scatter.degrees), kSure);
-  if (scatter.chi_square <= limit) return;
-  const double of_chance = std::sqrt(limit / scatter.degrees);
+  if (scatter.chi_square <= scatter.limit()) return;
+  const double of_chance = std::sqrt(scatter.limit() / scatter.degrees);
   findings.push_back(finding(
       CalibrationIssue::photos_differ, CalibrationTrust::weak, c.calibration.photo_factor,
       of_chance,

@@ -417,9 +417,15 @@ void place_unused(const CalibrationProblem& problem, CalibrationState& state,
 
 // The errors that a photo's corners share are averaged over the photos, not over the corners. At
 // least 1.
-double photo_factor(std::span<const CalibratedSighting> sightings) {
-  const CameraScatter scatter = camera_scatter(sightings);
+double photo_factor(const CameraScatter& scatter) {
   return scatter.degrees > 0 ? std::sqrt(std::max(1.0, scatter.chi_square / scatter.degrees)) : 1;
+}
+
+// The variance factor of the camera for its next photo.
+double raised_by(const CameraScatter& scatter) {
+  const double of_mean = std::pow(photo_factor(scatter), 2);
+  if (scatter.chi_square <= scatter.limit()) return of_mean;
+  return of_mean + static_cast<double>(scatter.photos) * (of_mean - 1);
 }
 
 // Whether `form` shows each ray that `chosen` has in a corner of the picture, and has one there
@@ -469,8 +475,9 @@ Result<CameraCalibration> result_of(const CalibrationProblem& problem, std::vect
   result.degrees_of_freedom = best.degrees_of_freedom;
   result.sigma_factor = factor_of(best);
   add_sightings(result, problem, best.state, *precision);
-  result.photo_factor = photo_factor(result.sightings);
-  const double raised = result.photo_factor * result.photo_factor;
+  const CameraScatter scatter = camera_scatter(result.sightings);
+  result.photo_factor = photo_factor(scatter);
+  const double raised = raised_by(scatter);
   result.covariance *= raised;
   for (TriedForm& tried : result.tried) tried.covariance *= raised;
   add_boards(result, best.state, *precision);
@@ -539,8 +546,14 @@ CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings) {
     if (!sighting.used) continue;
     scatter.chi_square += sighting.camera_chi_square;
     scatter.degrees += sighting.camera_degrees;
+    ++scatter.photos;
   }
   return scatter;
+}
+
+double CameraScatter::limit() const {
+  constexpr double kSure = 4;  // a normal value
+  return chi_square_limit(std::max(1, degrees), kSure);
 }
 
 bool has_other_focal(const CalibratedSighting& sighting) {

@@ -95,7 +95,9 @@ struct CameraCalibration {
   // by its square: residuals larger than stated raise them, smaller ones lower nothing.
   double sigma_factor = 1;
   // The camera's covariance is multiplied by this one's square, too: root of camera_scatter's
-  // chi-square over its degrees of freedom, at least 1.
+  // chi-square over its degrees of freedom, at least 1. Where photos differ by more than chance
+  // (CameraScatter::limit), the variance from photo to photo is added: the next photo is of one
+  // camera, not of the mean of all.
   double photo_factor = 1;
 };
 
@@ -116,6 +118,10 @@ Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
 struct CameraScatter {
   double chi_square = 0;
   int degrees = 0;
+  std::size_t photos = 0;
+
+  // Of chi-square, which is exceeded by chance once in 30 000.
+  double limit() const;
 };
 
 CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings);

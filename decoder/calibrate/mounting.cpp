@@ -67,34 +67,38 @@ double shift_by_turn(const DriveFit& fitted, std::size_t camera, Index coordinat
   return moved(camera);
 }
 
+// How a camera's six parameters move when the vehicle's axes turn; what is held does not.
+Eigen::Matrix<double, 6, 3> by_turn_of_axes(const DriveFit& fitted, std::size_t camera) {
+  const Matrix3d axes = vehicle_frame(VehiclePose{}).turn_axes;
+  const Pose& pose = fitted.rig.cameras[camera].vehicle_from_camera;
+  Eigen::Matrix<double, 6, 3> result = Eigen::Matrix<double, 6, 3>::Zero();
+  for (Index a = 0; a < 3; ++a) {
+    const Vector3d turn = pose.rotation.transpose() * axes.col(a);
+    for (Index row = 0; row < 6; ++row) {
+      if (fitted.layout.places[camera][static_cast<std::size_t>(row)] < 0) continue;
+      result(row, a) = row < 3 ? shift_by_turn(fitted, camera, row, axes.col(a)) : turn[row - 3];
+    }
+  }
+  return result;
+}
+
 // The covariance of a camera's six parameters in the vehicle's own axes: an error that all
 // vehicles' attitudes share is an error of these axes, which the drive defines, not of the camera.
 Eigen::Matrix<double, 6, 6> covariance_of(const DriveFit& fitted, std::size_t camera) {
   const MatrixXd& all = fitted.adjustment.calibration_covariance;
-  const Index mean_attitude = all.rows() - 3;
-  const Pose& pose = fitted.rig.cameras[camera].vehicle_from_camera;
-  const Matrix3d axes = vehicle_frame(VehiclePose{}).turn_axes;
   MatrixXd by_all = MatrixXd::Zero(6, all.rows());
   for (std::size_t i = 0; i < kMounting; ++i) {
     const int place = fitted.layout.places[camera][i];
-    const auto row = static_cast<Index>(i);
-    if (place < 0) continue;
-    by_all(row, place) = 1;
-    for (Index a = 0; a < 3; ++a) {
-      const Vector3d axis = axes.col(a);
-      const Vector3d turn = pose.rotation.transpose() * axis;
-      by_all(row, mean_attitude + a) =
-          i < 3 ? shift_by_turn(fitted, camera, row, axis) : turn[row - 3];
-    }
+    if (place >= 0) by_all(static_cast<Index>(i), place) = 1;
   }
+  by_all.rightCols<3>() = by_turn_of_axes(fitted, camera);
   return by_all * all * by_all.transpose();
 }
 
-// The covariance of a camera's turn from the uncertainty of the axes themselves, which the drive
-// defines as the mean of its rows: from the rows' scatter.
-Matrix3d covariance_of_axes(const DriveFit& fitted, std::size_t camera) {
-  const Matrix3d by_axes = fitted.rig.cameras[camera].vehicle_from_camera.rotation.transpose() *
-                           vehicle_frame(VehiclePose{}).turn_axes;
+// The covariance of a camera's six parameters from the uncertainty of the axes themselves, which
+// the drive defines as the mean of its rows: from the rows' scatter.
+Eigen::Matrix<double, 6, 6> covariance_of_axes(const DriveFit& fitted, std::size_t camera) {
+  const Eigen::Matrix<double, 6, 3> by_axes = by_turn_of_axes(fitted, camera);
   return by_axes * fitted.mean_attitude_variance.asDiagonal() * by_axes.transpose();
 }
 
@@ -184,6 +188,7 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
                       const Held& held, const std::vector<std::size_t>& left_out) {
   MountingFit fit;
   fit.rows = drive.stations.size();
+  fit.places_apart = fitted.places_apart;
   std::vector<std::size_t> tags(fitted.rig.cameras.size());
   std::size_t sightings = 0;
   for (std::size_t s = 0; s < drive.stations.size(); ++s) {
@@ -201,14 +206,13 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
   for (std::size_t c = 0; c < fitted.rig.cameras.size(); ++c) {
     const RigCamera& camera = fitted.rig.cameras[c];
     FittedMounting mounting{camera.name, in_own_axes(fitted, c)};
-    const auto covariance = covariance_of(fitted, c);
+    const Eigen::Matrix<double, 6, 6> covariance =
+        fit.sigma_factor * fit.sigma_factor * covariance_of(fitted, c) +
+        covariance_of_axes(fitted, c);
     const Matrix3d by_turn = angles_by_turn(camera.vehicle_from_camera);
     const Matrix3d of_turn = covariance.bottomRightCorner<3, 3>();
     mounting.sigma << covariance.diagonal().head<3>(),
         (by_turn * of_turn * by_turn.transpose()).diagonal();
-    mounting.sigma *= fit.sigma_factor * fit.sigma_factor;
-    mounting.sigma.tail<3>() +=
-        (by_turn * covariance_of_axes(fitted, c) * by_turn.transpose()).diagonal();
     mounting.sigma = mounting.sigma.cwiseMax(0).cwiseSqrt();
     mounting.held = held[c];
     mounting.tags = tags[c];

@@ -40,6 +40,7 @@ struct MountingFit {
   std::vector<FittedMounting> cameras;  // in the rig's order
   std::vector<FittedRange> ranges;      // of those that were measured
   std::size_t rows = 0;                 // that the fit uses
+  std::size_t places_apart = 0;         // of these: DriveFit
   double chi_square = 0;                // of corners, plates and vehicles that the fit uses
   int degrees_of_freedom = 0;
   // Root of chi-square over the degrees of freedom, at least 1: all sigmas are multiplied by it.
@@ -52,7 +53,8 @@ struct MountingFit {
 //
 // The vehicle's own axes are defined by the drive: forward is the center line's direction, or
 // against it in rows that the rig's mounting shows to point backward, and level is the floor, as
-// the mean of all rows; the sigmas of angles include the rows' scatter about it. Pictures of tags
+// the mean of all rows; the sigmas include the rows' scatter about it, from place to place, or what
+// the rig says of the vehicle's stance where fewer than four places show none. Pictures of tags
 // cannot distinguish a vehicle that stands askew in every row from cameras that are all turned. The
 // origin O is where the rig's positions put it: what the run determines worse than a tape (a common
 // shift of all cameras, or all of a single one) is held.

@@ -87,8 +87,10 @@ void print_camera(const FittedMounting& mounting, const RigCamera& stated) {
     const bool is_angle = i >= 3;
     const std::string unit = is_angle ? "deg" : "m";
     if (mounting.held[i]) {
-      to_stdout("  {:<5} {:>10.4f} {:<3}  held: the run does not tell it\n", kParameters[i],
-                after[i], unit);
+      const CalibrationSigma& known = stated.calibration_sigma;
+      to_stdout(
+          "  {:<5} {:>10.4f} {:<3}  held: the run does not tell it, the rig has it to {:.4f}\n",
+          kParameters[i], after[i], unit, is_angle ? degrees(known.angle) : known.position);
     } else {
       to_stdout("  {:<5} {:>10.4f} {:<3}  +-{:.4f}, the rig says {:.4f}\n", kParameters[i],
                 after[i], unit, sigma_of(mounting, i), before[i]);
@@ -105,10 +107,18 @@ void print_words(const MountingFit& fit, const Input& input) {
               1e3 * range.offset, 1e3 * range.sigma, range.rows);
   }
   to_stdout(
-      "{} of {} rows used; residuals {:.2f} times what was stated\n"
+      "{} of {} rows used, at {} 0.4 m and more apart; residuals {:.2f} times what was stated\n"
       "Forward is the mean direction of these rows along the center line, level their mean stance "
       "on the floor.\n",
-      fit.rows, input.run.measurements.size(), fit.sigma_factor);
+      fit.rows, input.run.measurements.size(), counted(fit.places_apart, "place"),
+      fit.sigma_factor);
+  constexpr std::size_t kEnough = 10;
+  if (fit.places_apart >= kEnough) return;
+  to_stdout(
+      "A vehicle stands alike in rows that are close together: drive past {} places and more, "
+      "which "
+      "makes forward and level surer.\n",
+      kEnough);
 }
 
 Json camera_json(const FittedMounting& mounting, const RigCamera& stated) {
@@ -137,6 +147,7 @@ void print_json(const MountingFit& fit, const Input& input) {
   to_stdout("{}\n", json_text({{"summary",
                                 {{"rows", input.run.measurements.size()},
                                  {"rows_used", fit.rows},
+                                 {"places_apart", fit.places_apart},
                                  {"chi_square", fit.chi_square},
                                  {"degrees_of_freedom", fit.degrees_of_freedom},
                                  {"sigma_factor", fit.sigma_factor},
@@ -145,7 +156,26 @@ void print_json(const MountingFit& fit, const Input& input) {
 
 // --- the rig that is written ---
 
-Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFit& fit) {
+// The sigma of a camera's place (parameters 0 to 2) or of its turn (3 to 5) on the vehicle, by the
+// one that is known least. What the run does not tell, a camera is held in, and the others are
+// known relative to it alone: the rig's own sigma of that camera remains in all of them.
+double sigma_on_vehicle(const MountingFit& fit, const Rig& rig, const FittedMounting& mounting,
+                        std::size_t first) {
+  double largest = 0;
+  for (std::size_t i = first; i < first + 3; ++i) {
+    double held = 0;
+    for (std::size_t c = 0; c < fit.cameras.size(); ++c) {
+      const CalibrationSigma& stated = rig.cameras[c].calibration_sigma;
+      if (fit.cameras[c].tags == 0 || !fit.cameras[c].held[i]) continue;
+      held = std::max(held, i < 3 ? stated.position : stated.angle);
+    }
+    largest = std::max(largest, std::hypot(mounting.sigma[static_cast<Eigen::Index>(i)], held));
+  }
+  return largest;
+}
+
+Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFit& fit,
+                       const Rig& rig) {
   auto text = read_file(options.rig);
   if (!text) return fail(text.error().message);
   for (const FittedMounting& mounting : fit.cameras) {
@@ -153,8 +183,8 @@ Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFi
     const Pose& pose = mounting.vehicle_from_camera;
     auto changed = rig_with_mounting(
         *text, mounting.camera,
-        {mounting_angles(pose), pose.translation, mounting.sigma.head<3>().maxCoeff(),
-         mounting.sigma.tail<3>().maxCoeff()});
+        {mounting_angles(pose), pose.translation, sigma_on_vehicle(fit, rig, mounting, 0),
+         sigma_on_vehicle(fit, rig, mounting, 3)});
     if (!changed) return fail(options.rig.string() + ": " + changed.error().message);
     text = std::move(changed);
   }
@@ -243,7 +273,7 @@ int calibrate_mounting(const CalibrateMountingOptions& options) {
   if (!wrong_side.empty()) return refuse(wrong_side);
   options.json ? print_json(*fit, *input) : print_words(*fit, *input);
   if (!options.output.empty()) {
-    const auto written = write_rig(options, *fit);
+    const auto written = write_rig(options, *fit, input->rig);
     if (!written) return report_failure(kCalibrate, written.error());
   }
   std::string doubt = camera_of_contradictions(*fit);

@@ -204,6 +204,54 @@ Matrix3d likely_attitude(const Survey& survey, const Rig& rig, const Drive& driv
   return best;
 }
 
+namespace {
+
+// How many of these places are 0.4 m and more from each of the others taken.
+std::size_t count_apart(const std::vector<Vector3d>& places) {
+  constexpr double kApart = 0.4;  // metres
+  std::vector<Vector3d> apart;
+  for (const Vector3d& place : places) {
+    const auto is_near = [&](const Vector3d& other) { return (place - other).norm() < kApart; };
+    if (std::ranges::none_of(apart, is_near)) apart.push_back(place);
+  }
+  return apart.size();
+}
+
+// The mean attitude against the stations' priors. Its variance is that of Student's distribution,
+// which the scatter of a few attitudes has, and of as many attitudes as there are places apart,
+// with the priors' variances where these are smaller, or where the places are too few to show a
+// scatter.
+void take_attitudes(const std::vector<Station>& stations, DriveFit& fit) {
+  using namespace vehicle_parameter;
+  std::vector<Vector3d> attitudes, places;
+  Vector3d stated = Vector3d::Zero();
+  for (std::size_t s = 0; s < stations.size(); ++s) {
+    const auto& vehicle = fit.adjustment.vehicles[s];
+    if (!vehicle) continue;
+    const VehiclePrior& prior = *stations[s].prior;
+    attitudes.emplace_back(wrapped_angle(vehicle->heading - prior.mean.heading),
+                           vehicle->pitch - prior.mean.pitch, vehicle->roll - prior.mean.roll);
+    places.push_back(vehicle->position);
+    stated = Vector3d(prior.sigma[kHeading], prior.sigma[kPitch], prior.sigma[kRoll]).cwiseAbs2();
+    fit.heading_chi_square += std::pow(attitudes.back()[0] / prior.sigma[kHeading], 2);
+  }
+  if (attitudes.empty()) return;
+  const auto count = static_cast<double>(attitudes.size());
+  for (const Vector3d& attitude : attitudes) fit.mean_attitude += attitude / count;
+  fit.places_apart = count_apart(places);
+  const auto apart = static_cast<double>(fit.places_apart);
+  fit.mean_attitude_variance = stated / apart;
+  if (apart < 4) return;
+  Vector3d scatter = Vector3d::Zero();
+  for (const Vector3d& attitude : attitudes) {
+    scatter += (attitude - fit.mean_attitude).cwiseAbs2() / (count - 1);
+  }
+  scatter *= (apart - 1) / (apart - 3);
+  fit.mean_attitude_variance = scatter.cwiseMin(stated) / apart;
+}
+
+}  // namespace
+
 std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, const Rig& start,
                                   const std::vector<ParameterSigmas>& sigmas) {
   constexpr int kRounds = 3;  // in a bend the drive's direction depends on the vehicle's place
@@ -224,25 +272,7 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
     if (!adjustment) return std::nullopt;
   }
   DriveFit fit{fitted_rig(start, layout, adjustment->calibration), layout, std::move(*adjustment)};
-  double placed = 0;
-  Vector3d squares = Vector3d::Zero();
-  for (std::size_t s = 0; s < problem.stations.size(); ++s) {
-    const auto& vehicle = fit.adjustment.vehicles[s];
-    if (!vehicle) continue;
-    const VehiclePrior& prior = *problem.stations[s].prior;
-    const double askew = wrapped_angle(vehicle->heading - prior.mean.heading);
-    fit.heading_chi_square += std::pow(askew / prior.sigma[vehicle_parameter::kHeading], 2);
-    const Vector3d attitude(askew, vehicle->pitch - prior.mean.pitch,
-                            vehicle->roll - prior.mean.roll);
-    fit.mean_attitude += attitude;
-    squares += attitude.cwiseAbs2();
-    placed += 1;
-  }
-  if (placed > 0) fit.mean_attitude /= placed;
-  if (placed > 1) {
-    const Vector3d scatter = squares / placed - fit.mean_attitude.cwiseAbs2();
-    fit.mean_attitude_variance = scatter.cwiseMax(0) / (placed - 1);
-  }
+  take_attitudes(problem.stations, fit);
   return fit;
 }
 

@@ -60,9 +60,11 @@ struct DriveFit {
   // The part of the adjustment's chi-square that comes from headings against the drive's.
   double heading_chi_square = 0;
   // The mean attitude of the vehicles against the drive and its floor: heading, pitch, roll; and
-  // the variance of this mean by their scatter.
+  // the variance of this mean by their scatter from place to place.
   Eigen::Vector3d mean_attitude = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_attitude_variance = Eigen::Vector3d::Zero();
+  // Of the vehicles, 0.4 m and more from each other: closer ones stand as the first of them stood.
+  std::size_t places_apart = 0;
 };
 
 // Fits the vehicles, the plates within the survey's sigmas, and the cameras of `start` within these

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/calibrate/mounting.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -129,6 +130,50 @@ TEST_CASE("the stated sigmas are those of the errors") {
   }
   CHECK(sum / count > 0.6);
   CHECK(sum / count < 1.5);
+}
+
+TEST_CASE("rows that are close together show one stance of the vehicle, and the sigmas hold it") {
+  Draws draws(19);
+  Site site = exact_corridor();
+  FloorStance askew;
+  askew.height = site.rig.vehicle_height;
+  askew.yaw = radians(2);
+  askew.pitch = radians(-1.5);
+  askew.roll = radians(1);
+  std::vector<VehiclePose> vehicles;
+  for (int i = 0; i < 20; ++i) {
+    vehicles.push_back(vehicle_on_floor(site.survey.tunnel.centerline.at(2 + 0.05 * i), askew));
+  }
+  const auto fit = fit_mounting(seen_from(site, vehicles, draws), site.survey, site.rig);
+  REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+  CHECK(fit->rows == 20);
+  CHECK(fit->places_apart == 3);
+  for (std::size_t c = 0; c < 2; ++c) {
+    const MountingAngles found = mounting_angles(fit->cameras[c].vehicle_from_camera);
+    const MountingAngles truth = mounting_angles(site.rig.cameras[c].vehicle_from_camera);
+    const Vector3d off(found.yaw - truth.yaw, found.pitch - truth.pitch, found.roll - truth.roll);
+    CHECK(off.cwiseQuotient(fit->cameras[c].sigma.tail<3>()).cwiseAbs().maxCoeff() < 2);
+    CHECK(off.norm() > radians(1));
+  }
+}
+
+TEST_CASE("the place of one camera against another is as sure as the direction that is forward") {
+  Draws draws(29);
+  double sum = 0;
+  constexpr int kTrials = 25;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    Site site = exact_corridor();
+    mount(site.rig, 0, 55, 0, 0, {0.3, 0.3, 0.1});
+    mount(site.rig, 1, -55, 0, 0, {0.3, -0.3, 0.1});
+    const auto rows = seen_from(site, drive_past(site, 12, draws, false), draws);
+    const auto fit = fit_mounting(rows, site.survey, site.rig);
+    REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+    const double apart = fit->cameras[0].vehicle_from_camera.translation.x() -
+                         fit->cameras[1].vehicle_from_camera.translation.x();
+    sum += std::pow(apart / std::max(fit->cameras[0].sigma[0], fit->cameras[1].sigma[0]), 2);
+  }
+  CHECK(sum / kTrials > 0.4);
+  CHECK(sum / kTrials < 1.6);
 }
 
 TEST_CASE("which way the vehicle went does not change its mounting") {

@@ -375,6 +375,31 @@ TEST_CASE("a drive tells where cameras look, and the rig is written with it") {
   CHECK_FALSE(fs::exists(fitted));
 }
 
+TEST_CASE("what a drive does not tell keeps the rig's own sigma in all cameras") {
+  const TemporaryFolder folder;
+  std::string text = read_file("surveys/corridor/rig.yaml").value();
+  const std::string exact = "sigma: 0 }";
+  for (auto at = text.find(exact); at != std::string::npos; at = text.find(exact)) {
+    text.replace(at, exact.size(), "sigma: { position: 0.04, angle: 2, focal: 0, center: 0 } }");
+  }
+  const fs::path stated = folder.path() / "stated.yaml";
+  const fs::path fitted = folder.path() / "fitted.yaml";
+  REQUIRE(write_file(stated, text));
+  const ProgramOutput output = run_tagsmith(
+      "calibrate --survey surveys/corridor/survey.yaml --run surveys/corridor/run.csv --rig '" +
+      stated.string() + "' -o '" + fitted.string() + "'");
+  CHECK_MESSAGE(output.exit_code == 0, output.err);
+  CHECK(output.out.find("the rig has it to 0.0400") != std::string::npos);
+  CHECK(output.out.find("at 10 places 0.4 m and more apart") != std::string::npos);
+  const Result<Rig> rig = load_rig(fitted);
+  REQUIRE_MESSAGE(rig, rig.error().message);
+  for (const RigCamera& camera : rig->cameras) {
+    CHECK(camera.calibration_sigma.position >= 0.04);
+    CHECK(camera.calibration_sigma.position < 0.05);
+    CHECK(camera.calibration_sigma.angle < radians(0.1));
+  }
+}
+
 TEST_CASE("photos of one camera that are mirrored top to bottom make no mounting") {
   const TemporaryFolder folder;
   const std::string photos = fs::absolute("surveys/corridor/photos").string();
