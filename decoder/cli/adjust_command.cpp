@@ -377,11 +377,6 @@ Vector3d sigma_in_grid(const Survey& survey, const AsBuiltTag& tag) {
   return in_grid(survey.grid, covariance).diagonal().cwiseMax(0).cwiseSqrt();
 }
 
-// The sigma of a coordinate of P, the mean of all three.
-double mean_sigma(const AsBuiltTag& tag) {
-  return std::sqrt(std::max(0.0, tag.covariance.topLeftCorner<3, 3>().trace()) / 3);
-}
-
 std::size_t count_of(const AsBuiltSurvey& found, AsBuiltStatus status) {
   return static_cast<std::size_t>(std::ranges::count(found.tags, status, &AsBuiltTag::status));
 }
@@ -403,7 +398,7 @@ void print_words(const Survey& survey, const AsBuiltSurvey& found) {
     const Vector3d p = p_in_grid(survey, tag);
     const auto shown = [](double value) { return std::round(1e4 * value) / 1e4 + 0.0; };
     to_stdout("{:>8} {:10.4f} {:10.4f} {:10.4f} {:10.1f} {:10.1f} {:5}{}\n", tag.tag, shown(p.x()),
-              shown(p.y()), shown(p.z()), 1e3 * mean_sigma(tag), 1e3 * tag.shift.norm(),
+              shown(p.y()), shown(p.z()), 1e3 * tag.survey_sigma, 1e3 * tag.shift.norm(),
               tag.stations, tag.status == AsBuiltStatus::control ? "  control" : "");
   }
   for (const AsBuiltTag& tag : found.tags) {
@@ -481,7 +476,7 @@ Result<std::string> as_built_text(const AdjustOptions& options, const std::strin
   for (const AsBuiltTag& tag : found.tags) {
     if (tag.status != AsBuiltStatus::adjusted) continue;
     places.push_back({tag.tag, p_in_grid(survey, tag),
-                      attitude_of(survey.grid, tag.world_from_plate), mean_sigma(tag),
+                      attitude_of(survey.grid, tag.world_from_plate), tag.survey_sigma,
                       options.date.empty() ? today() : options.date});
   }
   Result<std::string> changed = survey_with_places(text, survey, places);

@@ -421,19 +421,18 @@ PlateOffset offset_of(const Vector6& moved, const Matrix6& posterior, const Vect
 GroupShift shift_of(Network& network, const AdjustmentState& state,
                     const std::vector<std::size_t>& plates) {
   const auto count = static_cast<Index>(plates.size());
-  const PlateNormals& normals = network.normals();
-  std::vector<Index> columns;
+  const MatrixXd of_plates = network.normals().covariance_of(plates);
+  MatrixXd posterior(6 * count, 6 * count);  // without the plates' sizes
   VectorXd moved(6 * count);
   VectorXd prior(6 * count);
   for (Index i = 0; i < count; ++i) {
     const std::size_t plate = plates[static_cast<std::size_t>(i)];
     moved.segment<6>(6 * i) = network.moved_by(state, plate).head<6>();
     prior.segment<6>(6 * i) = network.variance_of(plate).head<6>();
-    for (Index k = 0; k < 6; ++k) columns.push_back(PlateNormals::column_of(plate) + k);
+    for (Index j = 0; j < count; ++j) {
+      posterior.block<6, 6>(6 * i, 6 * j) = of_plates.block<6, 6>(kPlateCount * i, kPlateCount * j);
+    }
   }
-  MatrixXd unit = MatrixXd::Zero(normals.size(), 6 * count);
-  for (Index i = 0; i < 6 * count; ++i) unit(columns[static_cast<std::size_t>(i)], i) = 1;
-  const MatrixXd posterior = normals.solve(unit)(columns, Eigen::all);
   const WithoutPrior measured = without_prior(moved, posterior, prior);
   GroupShift shift{plates};
   for (Index i = 0; i < count; ++i) {

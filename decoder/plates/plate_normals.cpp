@@ -99,6 +99,27 @@ PlateMatrix PlateNormals::covariance_of(std::size_t plate) const {
   return covariance;
 }
 
+MatrixXd PlateNormals::covariance_of(const std::vector<std::size_t>& plates) const {
+  std::vector<Index> columns = columns_of(plates);
+  columns.resize(kPlateCount * plates.size());
+  const auto count = static_cast<Index>(columns.size());
+  const bool are_seen_together = std::ranges::all_of(plates, [&](std::size_t one) {
+    return std::ranges::all_of(plates, [&](std::size_t other) {
+      return by_plates_.contains({std::max(one, other), std::min(one, other)});
+    });
+  });
+  if (!are_seen_together) {
+    MatrixXd unit = MatrixXd::Zero(size(), count);
+    for (Index i = 0; i < count; ++i) unit(columns[static_cast<std::size_t>(i)], i) = 1;
+    return solver_.solve(unit)(columns, Eigen::all);
+  }
+  const auto& place = solver_.permutationP().indices();
+  return MatrixXd::NullaryExpr(count, count, [&](Index i, Index j) {
+    return inverse_->at(place[columns[static_cast<std::size_t>(i)]],
+                        place[columns[static_cast<std::size_t>(j)]]);
+  });
+}
+
 std::vector<Index> PlateNormals::columns_of(const std::vector<std::size_t>& plates) const {
   std::vector<Index> columns;
   for (const std::size_t plate : plates) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -187,6 +188,19 @@ std::vector<std::vector<std::size_t>> control_groups(const Site& site) {
   return groups;
 }
 
+// The plates adjusted, grouped as stations show them.
+std::set<std::vector<std::size_t>> adjusted_groups(const Site& site) {
+  std::set<std::vector<std::size_t>> groups;
+  for (const Station& station : site.drive.stations) {
+    std::vector<std::size_t> group;
+    for (const std::size_t plate : plates_of(station)) {
+      if (!site.is_control[plate]) group.push_back(plate);
+    }
+    if (group.size() > 1) groups.insert(std::move(group));
+  }
+  return groups;
+}
+
 std::optional<Adjustment> adjust(const Rig& rig, const Site& site) {
   std::vector<PlateFreedom> freed;
   for (const bool is_elsewhere : site.is_elsewhere) {
@@ -194,6 +208,7 @@ std::optional<Adjustment> adjust(const Rig& rig, const Site& site) {
   }
   AdjustmentProblem problem{&rig, site.drive.plates, site.drive.stations};
   problem.groups = control_groups(site);
+  std::ranges::copy(adjusted_groups(site), std::back_inserter(problem.groups));
   return adjust_plates(problem, freed);
 }
 
@@ -296,6 +311,7 @@ void fill(const SightedPlate& plate, const PlateOffset& offset, const Pose& surv
   tag.world_from_plate.rotation *= rotation_of(offset.turn);
   tag.covariance = offset.covariance;
   tag.shift = tag.world_from_plate.translation - surveyed.translation;
+  tag.survey_sigma = std::sqrt(std::max(0.0, tag.covariance.topLeftCorner<3, 3>().trace()) / 3);
 }
 
 // For a control tag whose place the photos alone do not determine.
@@ -356,7 +372,15 @@ AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adju
     result.tags.push_back(as_built_tag(site, adjustment, i, tag, was_control));
   }
   for (const GroupShift& group : adjustment.groups) {
-    result.groups.push_back(control_group(site, group));
+    if (site.is_control[group.plates.front()]) {
+      result.groups.push_back(control_group(site, group));
+      continue;
+    }
+    const auto count = static_cast<double>(group.plates.size());
+    const double together = std::sqrt(count * group.covariance.trace() / 3);
+    for (const std::size_t plate : group.plates) {
+      result.tags[plate].survey_sigma = std::max(result.tags[plate].survey_sigma, together);
+    }
   }
   result.cut_off = site.cut_off;
   for (const Station& station : site.drive.stations) {

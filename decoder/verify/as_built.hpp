@@ -39,6 +39,10 @@ struct AsBuiltTag {
   // Of P in world axes, metres, then of the turn about the plate's own axes, radians.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of P from its surveyed place, world axes
+  // Standard deviation of a coordinate of P, metres, as a survey states it of each tag by itself:
+  // the root mean square of the three or, because tags seen together share errors, what it must be
+  // for the mean of an adjusted tag and its neighbours in a picture to be as uncertain as it is.
+  double survey_sigma = 0;
 
   bool has_place() const { return status != AsBuiltStatus::undetermined; }
 };

@@ -55,6 +55,32 @@ TEST_CASE("tags hang within 3.5 mm of where they are found, and as surely as is 
   CHECK(nees < 1.25);
 }
 
+TEST_CASE("the sigma for a survey holds for the mean of tags that are seen together") {
+  double nees = 0;
+  double as_single = 0;
+  constexpr int kDraws = 12;
+  for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+    Draws draws(seed);
+    const AsBuiltDrive drive = short_drive(draws);
+    const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
+    REQUIRE_MESSAGE(found, found.error().message);
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double variance = 0;
+    double of_single = 0;
+    for (const char* name : {"004L", "004R", "005L", "005R", "006L", "006R"}) {
+      const AsBuiltTag& tag = tag_of(*found, name);
+      mean += tag.world_from_plate.translation - drive.hung[index_of(drive, name)].translation;
+      variance += tag.survey_sigma * tag.survey_sigma;
+      of_single += tag.covariance.topLeftCorner<3, 3>().trace() / 3;
+    }
+    nees += mean.squaredNorm() / (3 * variance) / kDraws;
+    as_single += mean.squaredNorm() / (3 * of_single) / kDraws;
+  }
+  CHECK(nees < 1.4);
+  CHECK(nees > 0.3);
+  CHECK(as_single > 2);
+}
+
 TEST_CASE("a tag in another place and a misread tag spoil nothing") {
   Draws draws(3);
   AsBuiltDrive drive = short_drive(draws);
