@@ -59,7 +59,6 @@ bool is_same_tag(const SeenBoardTag& a, const SeenBoardTag& b) {
 // A code that is read twice counts for no board: at least one of the two is a copy or a reflection.
 // Where there are several, there is another print of the board, and others of its tags may be among
 // those that are read once.
-// ones that are read once.
 void take_tags(const ReadResult& result, std::span<const Board> boards, BoardView& view) {
   const TagsByCode tags = tags_by_code(boards);
   std::vector<SeenBoardTag> seen;
