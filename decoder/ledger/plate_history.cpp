@@ -496,52 +496,45 @@ Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day
   return histories;
 }
 
-bool is_seen(const Histories& histories, const std::string& tag, Day day) {
-  const auto history = histories.find(tag);
-  if (history == histories.end()) return false;
-  const auto of_day = history->second.days.find(day);
-  return of_day != history->second.days.end() && of_day->second.in_order;
-}
-
-// Of each tag of a wall the nearest ones on either side that photos with a date show.
-std::vector<std::vector<std::string>> neighbours_on(const Histories& histories,
-                                                    const std::vector<const PlacedTag*>& wall) {
-  std::vector<std::vector<std::string>> neighbours(wall.size());
-  const auto pass = [&](std::size_t i, const PlacedTag*& nearest) {
-    if (nearest != nullptr) neighbours[i].push_back(nearest->name);
+// Of each plate of a wall the days on which photos show plates on both sides of it, and not itself.
+// A plate that fell down, or that is covered, is in no photo, and neither are the plates beside it
+// where rock fell on all of them.
+std::vector<std::vector<Day>> days_without(const Histories& histories,
+                                           const std::vector<const PlacedTag*>& wall) {
+  // In a row, about what a fall of rock or a parked machine takes. Of a longer stretch nobody may
+  // have taken photos on that day, as beyond the last plate that was seen.
+  constexpr std::size_t kMostMissing = 10;
+  std::vector<std::vector<Day>> missed(wall.size());
+  std::map<Day, std::size_t> seen_before;
+  for (std::size_t i = 0; i < wall.size(); ++i) {
     const auto history = histories.find(wall[i]->name);
-    if (history != histories.end() && !history->second.days.empty()) nearest = wall[i];
-  };
-  const PlacedTag* before = nullptr;
-  for (std::size_t i = 0; i < wall.size(); ++i) pass(i, before);
-  const PlacedTag* after = nullptr;
-  for (std::size_t i = wall.size(); i-- > 0;) pass(i, after);
-  return neighbours;
+    if (history == histories.end()) continue;
+    for (const auto& [day, seen] : history->second.days) {
+      if (!seen.in_order) continue;
+      const auto [before, is_first] = seen_before.try_emplace(day, i);
+      if (!is_first && i - before->second <= kMostMissing + 1) {
+        for (std::size_t between = before->second + 1; between < i; ++between) {
+          missed[between].push_back(day);
+        }
+      }
+      before->second = i;
+    }
+  }
+  return missed;
 }
 
-// A plate that fell down, or that is covered, is in no photo: the days tell on which the plates on
-// both sides were seen, and it was not. Beyond the last plate that was seen nobody may have driven.
-void find_lost(const Histories& histories, const std::vector<std::string>& neighbours,
-               PlateState& state) {
-  constexpr std::size_t kEnough = 2;  // days; on a single one somebody may have stood before it
-  if (neighbours.size() < 2 || state.action <= PlateAction::look) return;
-  const auto first = histories.find(neighbours.front());
-  if (first == histories.end()) return;
-  std::size_t missed = 0;
-  for (const auto& [day, seen] : first->second.days) {
-    const auto shows = [&, at = day](const std::string& tag) {
-      return is_seen(histories, tag, at);
-    };
-    const bool is_after = !state.last_seen || day > *state.last_seen;
-    if (is_after && std::ranges::all_of(neighbours, shows)) ++missed;
-  }
-  if (missed < kEnough) return;
+// `missed`: of days_without.
+void find_lost(const std::vector<Day>& missed, PlateState& state) {
+  constexpr std::ptrdiff_t kEnough = 2;  // days; on a single one somebody may have stood before it
+  const std::ptrdiff_t after = std::ranges::count_if(
+      missed, [&](Day day) { return !state.last_seen || day > *state.last_seen; });
+  if (after < kEnough || state.action <= PlateAction::look) return;
   state.action = PlateAction::look;
   state.cure.reset();
   state.reason = fmt::format(
-      "{}; its neighbours were, on {} days",
+      "{}; plates on both sides were, on {} days",
       state.last_seen ? "not seen since " + to_text(*state.last_seen) : std::string("never seen"),
-      missed);
+      after);
 }
 
 std::vector<const PlacedTag*> wall_of(const Survey& survey, Side side) {
@@ -583,14 +576,14 @@ Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledg
   }
   for (const Side side : {Side::left, Side::right}) {
     const std::vector<const PlacedTag*> wall = wall_of(survey, side);
-    const auto neighbours = neighbours_on(*histories, wall);
+    const auto missed = days_without(*histories, wall);
     for (std::size_t i = 0; i < wall.size(); ++i) {
       const auto history = histories->find(wall[i]->name);
       report.plates.push_back(
           judge_plate(wall[i]->name, history == histories->end() ? PlateHistory{} : history->second,
                       report.newest.value_or(Day{})));
       PlateState& state = report.plates.back();
-      find_lost(*histories, neighbours[i], state);
+      find_lost(missed[i], state);
       count_trend(state, report);
       report.mended.insert(report.mended.end(), state.mended.begin(), state.mended.end());
     }

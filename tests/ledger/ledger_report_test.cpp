@@ -17,19 +17,36 @@ namespace {
 
 const Day kLast = parse_day("2026-03-31").value();
 
-// A photo of the corridor's left wall on the nth day of March, of all plates but one.
-VerifiedFile photo_of_wall(const Survey& survey, int day, const std::string& without) {
+// A photo of the left wall on the nth day of March, of all plates but some.
+VerifiedFile photo_of_wall(const Survey& survey, int day, const std::vector<std::string>& without) {
   VerifiedFile file = test::numbered_photo(day);
   file.taken = fmt::format("2026-03-{:02}T08:00:00", day);
   file.tags.clear();
   for (const PlacedTag& tag : survey.tags) {
-    if (tag.side != Side::left || tag.name == without) continue;
+    if (tag.side != Side::left || std::ranges::count(without, tag.name) > 0) continue;
     VerifiedTag& seen = file.tags.emplace_back();
     seen.tag = tag.name;
     seen.digits = tag.digits;
     seen.module_px = 3;
   }
   return file;
+}
+
+std::vector<std::string> gone_after(int last_day, int day, const std::vector<std::string>& gone) {
+  return day > last_day ? gone : std::vector<std::string>{};
+}
+
+// The corridor with this many plates on its left wall and none on the right one.
+Survey long_wall(std::size_t plates) {
+  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const PlacedTag first = survey.tags.front();
+  survey.tags.assign(plates, first);
+  for (std::size_t i = 0; i < plates; ++i) {
+    survey.tags[i].name = fmt::format("{:03}L", i);
+    survey.tags[i].digits = parse_digits(fmt::format("0190{:08}", i)).value();
+    survey.tags[i].chainage += static_cast<double>(i);
+  }
+  return survey;
 }
 
 // How far to the right the days of each plate are drawn on a page.
@@ -54,7 +71,7 @@ TEST_CASE("a plate that is no longer seen while its neighbours are is to be look
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
   std::vector<VerifiedFile> photos;
   for (int day = 1; day <= 5; ++day) {
-    photos.push_back(photo_of_wall(survey, day, day <= 3 ? "" : "003L"));
+    photos.push_back(photo_of_wall(survey, day, gone_after(3, day, {"003L"})));
     if (day == 4) {
       REQUIRE(ledger.enter(survey.name, photos));
       // One day may be somebody who stood before it.
@@ -71,6 +88,29 @@ TEST_CASE("a plate that is no longer seen while its neighbours are is to be look
   CHECK(report.photos.photos == 5);
 }
 
+TEST_CASE("plates beside each other that vanish together are to be looked for") {
+  for (const std::size_t gone : {2U, 10U, 11U}) {
+    CAPTURE(gone);
+    const Survey survey = long_wall(gone + 2);
+    std::vector<std::string> stretch;
+    for (std::size_t i = 1; i <= gone; ++i) stretch.push_back(survey.tags[i].name);
+    const test::TemporaryFolder folder;
+    Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+    for (int day = 1; day <= 5; ++day) {
+      const VerifiedFile photo = photo_of_wall(survey, day, gone_after(2, day, stretch));
+      REQUIRE(ledger.enter(survey.name, std::array{photo}));
+    }
+    const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
+    // Of more in a row there may be no photos on these days.
+    if (gone > 10) stretch.clear();
+    CHECK(plates_to(PlateAction::look, survey, report) == stretch);
+    if (!stretch.empty()) {
+      CHECK(report.plates.front().reason ==
+            "not seen since 2026-03-02; plates on both sides were, on 3 days");
+    }
+  }
+}
+
 TEST_CASE("when most plates lose light at once the camera is blamed, not when few do") {
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   for (const std::size_t falling : {3U, 4U, 5U, 8U}) {
@@ -78,7 +118,7 @@ TEST_CASE("when most plates lose light at once the camera is blamed, not when fe
     const test::TemporaryFolder folder;
     Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
     for (int day = 1; day <= 4; ++day) {
-      VerifiedFile photo = photo_of_wall(survey, day, "");
+      VerifiedFile photo = photo_of_wall(survey, day, {});
       for (std::size_t i = 0; i < photo.tags.size(); ++i) {
         const double modulation = i < falling ? 0.8 - 0.06 * day : 0.8;
         photo.tags[i].module_px = 6;
@@ -104,7 +144,7 @@ TEST_CASE("the page draws the days as far apart as they are") {
   {
     Ledger ledger = Ledger::open_to_write(database).value();
     for (const int day : {1, 6, 21}) {
-      VerifiedFile photo = photo_of_wall(survey, day, "");
+      VerifiedFile photo = photo_of_wall(survey, day, {});
       for (VerifiedTag& tag : photo.tags) {
         tag.module_px = 6;
         tag.grade = SymbolGrade{3, GradeParameter::modulation, false};
@@ -133,9 +173,9 @@ TEST_CASE("the page says how many photos have no date, if any") {
     CAPTURE(count);
     {
       Ledger ledger = Ledger::open_to_write(database).value();
-      REQUIRE(ledger.enter(survey.name, std::array{photo_of_wall(survey, 1, "")}));
+      REQUIRE(ledger.enter(survey.name, std::array{photo_of_wall(survey, 1, {})}));
       for (int i = 0; i < count; ++i) {
-        VerifiedFile photo = photo_of_wall(survey, 2 + i, "");
+        VerifiedFile photo = photo_of_wall(survey, 2 + i, {});
         photo.taken.clear();
         REQUIRE(ledger.enter(survey.name, std::array{photo}));
       }
@@ -154,7 +194,7 @@ TEST_CASE("photos of a camera whose clock is ahead do not say what day it is") {
   const test::TemporaryFolder folder;
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
   for (const int day : {1, 6, 31}) {
-    REQUIRE(ledger.enter(survey.name, std::array{photo_of_wall(survey, day, "")}));
+    REQUIRE(ledger.enter(survey.name, std::array{photo_of_wall(survey, day, {})}));
   }
   const auto report_until = [&](const char* last) {
     return make_ledger_report(survey, ledger, parse_day(last).value()).value();
@@ -174,7 +214,7 @@ TEST_CASE("nothing is missing where the drive had ended") {
   const test::TemporaryFolder folder;
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
   for (int day = 1; day <= 5; ++day) {
-    VerifiedFile photo = photo_of_wall(survey, day, "000L");
+    VerifiedFile photo = photo_of_wall(survey, day, {"000L"});
     photo.tags.resize(4);
     REQUIRE(ledger.enter(survey.name, std::array{photo}));
   }
@@ -187,7 +227,7 @@ TEST_CASE("plates with the digits that a tag had before it was moved are others"
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
-  VerifiedFile photo = photo_of_wall(survey, 1, "003L");
+  VerifiedFile photo = photo_of_wall(survey, 1, {"003L"});
   photo.tags[0].digits = parse_digits("019000800402");
   REQUIRE(ledger.enter(survey.name, std::array{photo}));
   const auto unseen =
@@ -200,7 +240,7 @@ TEST_CASE("a plate is known by its digits, whatever the survey called it") {
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
-  VerifiedFile photo = photo_of_wall(survey, 1, "003L");
+  VerifiedFile photo = photo_of_wall(survey, 1, {"003L"});
   photo.revision = "another";
   VerifiedTag& seen = photo.tags[0];
   seen.finding.status = TagStatus::misprinted;
@@ -216,7 +256,7 @@ TEST_CASE("a plate that was not read keeps its fault when the survey is edited")
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
-  VerifiedFile photo = photo_of_wall(survey, 2, "003L");
+  VerifiedFile photo = photo_of_wall(survey, 2, {"003L"});
   photo.revision = "another";
   photo.tags.resize(1);
   VerifiedTag& covered = photo.tags[0];
@@ -230,7 +270,7 @@ TEST_CASE("a plate that was not read keeps its fault when the survey is edited")
   CHECK(to_clean() == std::vector<std::string>{covered.tag});
 
   // Another photo shows that in the other state this name was that of 007L.
-  VerifiedFile other = photo_of_wall(survey, 1, "003L");
+  VerifiedFile other = photo_of_wall(survey, 1, {"003L"});
   other.revision = "another";
   other.tags[0].digits = find_tag(survey, std::string_view("007L"))->digits;
   REQUIRE(ledger.enter(survey.name, std::array{other}));
@@ -241,7 +281,7 @@ TEST_CASE("a plate that was never read is no other plate that has its name now")
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;
   Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
-  VerifiedFile photo = photo_of_wall(survey, 1, "003L");
+  VerifiedFile photo = photo_of_wall(survey, 1, {"003L"});
   photo.revision = "another";
   photo.tags.resize(2);
   photo.tags[0].finding.status = TagStatus::unreadable;
