@@ -139,24 +139,29 @@ double failing(std::size_t parameter) {
 struct FaultHistory {
   std::optional<MendedFault> mended;
   std::optional<SeenFault> open;
+  std::optional<Day> found;     // the open fault, last
+  std::optional<Day> in_order;  // later by its date, in photos that had been entered before
 };
 
+// What was entered before a fault mends it by its date alone, and clocks are reset.
 FaultHistory trace_fault(const std::string& tag, const PlateHistory& history,
                          const std::string& rule) {
   FaultHistory traced;
-  std::optional<Day> found;
   const auto undated = history.without_day.faults.find(rule);
   if (undated != history.without_day.faults.end()) traced.open = undated->second;
   for (const auto& [day, seen] : history.days) {
     const auto fault = seen.faults.find(rule);
-    const bool is_later = found || seen.last_entry > history.without_day.last_entry;
     if (fault != seen.faults.end()) {
-      const double before = traced.open ? traced.open->module_px : fault->second.module_px;
-      traced = {std::nullopt, fault->second};
-      traced.open->module_px = std::min(before, fault->second.module_px);
-      found = day;
-    } else if (traced.open && is_later && seen.in_order && tells(seen, *traced.open)) {
-      traced = {MendedFault{tag, rule, found, day}, std::nullopt};
+      const SeenFault before = traced.open.value_or(fault->second);
+      traced = {std::nullopt, fault->second, day, std::nullopt};
+      traced.open->module_px = std::min(before.module_px, traced.open->module_px);
+      traced.open->entry = std::max(before.entry, traced.open->entry);
+    } else if (traced.open && seen.in_order && tells(seen, *traced.open)) {
+      if (seen.entry >= traced.open->entry) {
+        traced = {MendedFault{tag, rule, traced.found, day}, {}, {}, {}};
+      } else {
+        traced.in_order = day;
+      }
     }
   }
   return traced;
@@ -340,8 +345,17 @@ void judge_faults(const PlateHistory& history, PlateState& state) {
   for (const auto& [rule, fault] : rules) {
     const FaultHistory traced = trace_fault(state.tag, history, rule);
     if (traced.mended) state.mended.push_back(*traced.mended);
-    const PlateAction action = cure_of(rule).value_or(PlateAction::none);
-    if (traced.open) act(action, traced.open->finding.message, state);
+    if (!traced.open) continue;
+    const std::string& message = traced.open->finding.message;
+    if (traced.found && traced.in_order) {
+      act(PlateAction::look,
+          fmt::format("{}: found on {} in a photo that was entered after those that show it in "
+                      "order on {}: is its date right?",
+                      message, to_text(*traced.found), to_text(*traced.in_order)),
+          state);
+    } else {
+      act(cure_of(rule).value_or(PlateAction::none), message, state);
+    }
   }
 }
 
@@ -373,16 +387,18 @@ void add(const PlateSighting& seen, Day last, PlateHistory& history) {
   if (!has_day) ++history.undated;
   PlateDay& of_day = has_day ? history.days[*day] : history.without_day;
   ++of_day.photos;
-  of_day.last_entry = std::max(of_day.last_entry, seen.entry);
   if (seen.offset_mm) of_day.offset_mm = seen.offset_mm;
   if (seen.finding.is_fault()) {
     if (!cure_of(seen.finding.rule)) return;
-    const auto [fault, is_new] =
-        of_day.faults.try_emplace(seen.finding.rule, SeenFault{seen.finding, seen.module_px});
-    if (!is_new) fault->second.module_px = std::min(fault->second.module_px, seen.module_px);
+    const auto [found, ignored] = of_day.faults.try_emplace(
+        seen.finding.rule, SeenFault{seen.finding, seen.module_px, seen.entry});
+    SeenFault& fault = found->second;
+    fault.module_px = std::min(fault.module_px, seen.module_px);
+    fault.entry = std::max(fault.entry, seen.entry);
     return;
   }
   of_day.in_order = true;
+  of_day.entry = std::max(of_day.entry, seen.entry);
   of_day.placed = of_day.placed || seen.hanging == "fits";
   of_day.up_known = of_day.up_known || seen.up_known;
   of_day.module_px = std::max(of_day.module_px, seen.module_px);

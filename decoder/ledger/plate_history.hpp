@@ -82,10 +82,11 @@ struct WearSample {
   WearValues values{};
 };
 
-// A fault, and how large the plate was in the photo that showed it.
+// A fault in photos of a day.
 struct SeenFault {
   Finding finding;
-  double module_px = 0;
+  double module_px = 0;  // the least at which it was found
+  long entry = 0;        // the last of these photos (PlateSighting::entry)
 };
 
 // All photos of a plate of one day.
@@ -95,7 +96,7 @@ struct PlateDay {
   bool placed = false;    // in order in a photo that showed where it hangs
   bool up_known = false;  // in order in a photo whose up is known
   double module_px = 0;   // the widest in a photo in which it was in order
-  long last_entry = 0;    // of the photos (PlateSighting::entry)
+  long entry = 0;         // the last of the photos in which it was in order
   std::vector<WearSample> samples;
   std::map<std::string, SeenFault> faults;  // by rule
   std::optional<std::array<double, 3>> offset_mm;

@@ -212,6 +212,30 @@ TEST_CASE(
   CHECK(judge({moved, placed}).action == PlateAction::none);
 }
 
+TEST_CASE("what was entered before a fault does not mend it by its date alone") {
+  PlateSighting torn = bad("2020-01-01", TagStatus::unreadable, "undecodable");
+  std::vector<PlateSighting> seen{good(kDays[0]), good(kDays[1]), torn};
+  for (std::size_t i = 0; i < seen.size(); ++i) seen[i].entry = static_cast<long>(i) + 1;
+  const PlateState doubted = judge(seen);
+  CHECK(doubted.action == PlateAction::look);
+  CHECK(doubted.mended.empty());
+  CHECK(doubted.reason ==
+        "because of undecodable: found on 2020-01-01 in a photo that was entered after those that "
+        "show it in order on 2026-02-01: is its date right?");
+  // An earlier fault that was entered first does not take its place.
+  seen.push_back(bad("2025-01-01", TagStatus::unreadable, "undecodable"));
+  CHECK(judge(seen).action == PlateAction::look);
+  // Nor do photos whose clock was ahead, and whose day has come.
+  seen = {good(kDays[3]), bad(kDays[2], TagStatus::unreadable, "undecodable")};
+  seen.back().entry = 1;
+  CHECK(judge(seen).action == PlateAction::look);
+  // The next drive tells.
+  seen.push_back(good(kDays[4]));
+  seen.back().entry = 2;
+  CHECK(judge(seen).action == PlateAction::none);
+  CHECK(judge(seen).mended.size() == 1);
+}
+
 TEST_CASE("what lies with a photo is not the plate's") {
   CHECK(judge({bad(kDays[0], TagStatus::unreadable, "glare")}).action == PlateAction::none);
   const auto covered = bad(kDays[0], TagStatus::unreadable, "covered");
