@@ -343,6 +343,7 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
               {"oldest", to_json(report.oldest)},
               {"newest", to_json(report.newest)},
               {"trends", report.trends},
+              {"falling", report.falling},
               {"losing_light", report.losing_light},
               {"blames_camera", report.blames_camera()}};
   for (std::size_t i = 0; i < kPlateActions; ++i) {

@@ -260,8 +260,9 @@ std::optional<PlateDue> first_due(std::span<const PlateQuality> series) {
 }
 
 // Dirt takes light; wear and damage move edges and tear elements. So lost contrast or modulation
-// is cleaned while the edges are where they belong, all else is printed anew.
-PlateAction cure_of(GradeParameter parameter, const WearValues& values) {
+// is cleaned while the edges are where they belong, all else is printed anew. Where most plates
+// fall the camera may be what moved.
+PlateAction cure_of(GradeParameter parameter, const WearValues& values, const AllPlates& all) {
   const auto is_sound = [&](std::size_t i) {
     const auto limits = grade_limits(kWearParameters[i]);
     return !values[i] || goodness(i, *values[i]) >= goodness(i, limits[2]);  // grade 2
@@ -269,6 +270,7 @@ PlateAction cure_of(GradeParameter parameter, const WearValues& values) {
   const bool edges_are_sound = is_sound(2) && is_sound(3);
   const bool is_light =
       parameter == GradeParameter::symbol_contrast || parameter == GradeParameter::modulation;
+  if (all.most_fall) return PlateAction::look;
   return is_light && edges_are_sound ? PlateAction::clean : PlateAction::reprint;
 }
 
@@ -294,49 +296,28 @@ void act(PlateAction action, const std::string& reason, PlateState& state) {
 
 // A trend does not know what happened at once. What one day shows may be the day's, or the
 // camera's, so somebody is to look; two days are believed.
-void judge_last_days(std::span<const PlateQuality> series, PlateState& state) {
+void judge_last_days(std::span<const PlateQuality> series, const AllPlates& all,
+                     PlateState& state) {
   const PlateQuality& last = series.back();
   const auto parameter = failed(last);
   if (!parameter) return;
   const bool is_alone = series.size() == 1 || !failed(series[series.size() - 2]);
-  act(is_alone ? PlateAction::look : cure_of(kWearParameters[*parameter], last.values),
+  act(is_alone ? PlateAction::look : cure_of(kWearParameters[*parameter], last.values, all),
       fmt::format("{} {:.2f} on {}, limit {:.2f}", to_string(kWearParameters[*parameter]),
                   *last.values[*parameter], to_text(last.day),
                   grade_limits(kWearParameters[*parameter])[3]),
       state);
 }
 
-void judge_days(std::span<const PlateQuality> series, Day newest, PlateState& state) {
+void judge_days(std::span<const PlateQuality> series, const AllPlates& all, PlateState& state) {
   if (series.empty()) return;
   state.due = first_due(series);
-  if (!state.due || !state.due->is_past) judge_last_days(series, state);
+  if (!state.due || !state.due->is_past) judge_last_days(series, all, state);
   if (!state.due || !state.due->expected) return;
-  const PlateAction cure = cure_of(state.due->parameter, series.back().values);
-  const bool is_now = *state.due->expected <= newest;
+  const PlateAction cure = cure_of(state.due->parameter, series.back().values, all);
+  const bool is_now = *state.due->expected <= all.newest;
   if (!is_now && state.action > PlateAction::plan) state.cure = cure;
   act(is_now ? cure : PlateAction::plan, in_words(*state.due), state);
-}
-
-// A last day that is better at once may be a plate that was cleaned, or a camera that sharpens:
-// until another day tells, the days before it are judged, and somebody is to look.
-void judge_quality(Day newest, PlateState& state) {
-  const std::span<const PlateQuality> series = state.series;
-  if (series.empty() || !rises_to(series.back().grade, series, series.size() - 1)) {
-    judge_days(series, newest, state);
-    return;
-  }
-  PlateState before = state;
-  judge_days(series.first(series.size() - 1), newest, before);
-  state.due = before.due;
-  if (before.action >= std::min(state.action, PlateAction::look)) {
-    state.cure = before.cure;
-    act(before.action, before.reason, state);
-    return;
-  }
-  act(PlateAction::look,
-      fmt::format("{}; better on {} alone: photograph it on another day", before.reason,
-                  to_text(series.back().day)),
-      state);
 }
 
 void judge_faults(const PlateHistory& history, PlateState& state) {
@@ -405,7 +386,7 @@ void add(const PlateSighting& seen, Day last, PlateHistory& history) {
   if (seen.grade) of_day.samples.push_back({seen.module_px, *seen.grade, seen.values});
 }
 
-PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day newest) {
+PlateState describe_plate(const std::string& tag, const PlateHistory& history) {
   // What hid the plate in one photo and not in another of the day is not on the plate.
   const auto forgive = [](PlateDay& seen) {
     if (!seen.in_order) return;
@@ -426,10 +407,32 @@ PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day 
   }
   judge_faults(dated, state);
   find_series(dated, state);
-  judge_quality(newest, state);
   if (dated.days.empty() && state.action == PlateAction::none) {
     state.action = PlateAction::unseen;
   }
+  return state;
+}
+
+// A last day that is better at once may be a plate that was cleaned, or a camera that sharpens:
+// until another day tells, the days before it are judged, and somebody is to look.
+PlateState judge_quality(PlateState state, const AllPlates& all) {
+  const std::span<const PlateQuality> series = state.series;
+  if (series.empty() || !rises_to(series.back().grade, series, series.size() - 1)) {
+    judge_days(series, all, state);
+    return state;
+  }
+  PlateState before = state;
+  judge_days(series.first(series.size() - 1), all, before);
+  state.due = before.due;
+  if (before.action >= std::min(state.action, PlateAction::look)) {
+    state.cure = before.cure;
+    act(before.action, before.reason, state);
+    return state;
+  }
+  act(PlateAction::look,
+      fmt::format("{}; better on {} alone: photograph it on another day", before.reason,
+                  to_text(series.back().day)),
+      state);
   return state;
 }
 
@@ -565,9 +568,55 @@ std::vector<const PlacedTag*> wall_of(const Survey& survey, Side side) {
 void count_trend(const PlateState& plate, LedgerReport& report) {
   if (!plate.due) return;
   ++report.trends;
+  if (!plate.due->expected) return;
+  ++report.falling;
   const bool is_light = plate.due->parameter == GradeParameter::symbol_contrast ||
                         plate.due->parameter == GradeParameter::modulation;
-  if (is_light && plate.due->expected) ++report.losing_light;
+  if (is_light) ++report.losing_light;
+}
+
+// The medians of the plates' last days.
+WearValues usual_values(const std::vector<PlateState>& plates) {
+  WearValues usual;
+  for (std::size_t i = 0; i < usual.size(); ++i) {
+    std::vector<double> values;
+    for (const PlateState& plate : plates) {
+      if (plate.due && plate.series.back().values[i]) {
+        values.push_back(*plate.series.back().values[i]);
+      }
+    }
+    if (!values.empty()) usual[i] = quantile(values, 0.5);
+  }
+  return usual;
+}
+
+// Whether a plate is worse than most by a whole grade, which the camera does to none alone.
+bool stands_out(const PlateState& plate, const WearValues& usual) {
+  for (std::size_t i = 0; i < usual.size() && !plate.series.empty(); ++i) {
+    const auto& value = plate.series.back().values[i];
+    const auto limits = grade_limits(kWearParameters[i]);
+    if (value && usual[i] &&
+        goodness(i, *usual[i]) - goodness(i, *value) >= std::abs(limits[2] - limits[3])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Plates as they are described, judged by their series.
+void judge_all(const std::vector<PlateState>& described, LedgerReport& report) {
+  AllPlates all{report.newest.value_or(Day{})};
+  for (const PlateState& plate : described) {
+    report.plates.push_back(judge_quality(plate, all));
+    count_trend(report.plates.back(), report);
+  }
+  if (!report.blames_camera()) return;
+  all.most_fall = true;
+  const WearValues usual = usual_values(report.plates);
+  for (std::size_t i = 0; i < described.size(); ++i) {
+    PlateState& plate = report.plates[i];
+    if (!stands_out(plate, usual)) plate = judge_quality(described[i], all);
+  }
 }
 
 auto urgency(const PlateState& plate) {
@@ -590,19 +639,22 @@ Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledg
     report.oldest = std::min(report.oldest.value_or(Day::max()), history.days.begin()->first);
     report.newest = std::max(report.newest.value_or(Day{}), history.days.rbegin()->first);
   }
+  std::vector<PlateState> described;
+  std::vector<std::vector<Day>> missed;
   for (const Side side : {Side::left, Side::right}) {
     const std::vector<const PlacedTag*> wall = wall_of(survey, side);
-    const auto missed = days_without(*histories, wall);
-    for (std::size_t i = 0; i < wall.size(); ++i) {
-      const auto history = histories->find(wall[i]->name);
-      report.plates.push_back(
-          judge_plate(wall[i]->name, history == histories->end() ? PlateHistory{} : history->second,
-                      report.newest.value_or(Day{})));
-      PlateState& state = report.plates.back();
-      find_lost(missed[i], state);
-      count_trend(state, report);
-      report.mended.insert(report.mended.end(), state.mended.begin(), state.mended.end());
+    for (const PlacedTag* tag : wall) {
+      const auto history = histories->find(tag->name);
+      described.push_back(describe_plate(
+          tag->name, history == histories->end() ? PlateHistory{} : history->second));
     }
+    std::ranges::move(days_without(*histories, wall), std::back_inserter(missed));
+  }
+  judge_all(described, report);
+  for (std::size_t i = 0; i < report.plates.size(); ++i) {
+    PlateState& state = report.plates[i];
+    find_lost(missed[i], state);
+    report.mended.insert(report.mended.end(), state.mended.begin(), state.mended.end());
   }
   std::ranges::stable_sort(report.plates, {}, urgency);
   std::ranges::stable_sort(report.mended, std::ranges::greater{}, &MendedFault::in_order);
@@ -611,9 +663,10 @@ Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledg
 
 std::string camera_in_words(const LedgerReport& report) {
   return fmt::format(
-      "{} of {} plates lose light at once: clean the cameras' lenses first, and check focus, lamps "
-      "and exposure",
-      report.losing_light, report.trends);
+      "{} of {} plates lose quality at once: clean the cameras' lenses first, and check focus, "
+      "lamps "
+      "and exposure; look at some plates before any is printed anew",
+      report.falling, report.trends);
 }
 
 std::vector<std::string> plates_to(PlateAction action, const Survey& survey,

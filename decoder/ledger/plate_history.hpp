@@ -155,8 +155,15 @@ struct PlateState {
   std::optional<std::array<double, 3>> offset_mm;  // from the last day that has it
 };
 
-// From the plate's own photos. `newest`: the day of the newest photo of all plates.
-PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day newest);
+// What the photos of all plates say together.
+struct AllPlates {
+  Day newest;              // of the newest photo
+  bool most_fall = false;  // as LedgerReport::blames_camera
+};
+
+// By the plate's faults, and with its series; judge_quality then judges that, too.
+PlateState describe_plate(const std::string& tag, const PlateHistory& history);
+PlateState judge_quality(PlateState state, const AllPlates& all);
 
 // ---- What the ledger says of all plates of a survey.
 
@@ -169,11 +176,12 @@ struct LedgerReport {
   std::size_t trends = 0;           // plates that have one
   // Faults of plates that were not read and that the survey now calls otherwise, or not at all.
   std::size_t nameless = 0;
-  std::size_t losing_light = 0;  // of these, by contrast or modulation on their way to the limit
+  std::size_t falling = 0;       // of these, on their way to the limit
+  std::size_t losing_light = 0;  // of these, by contrast or modulation
 
-  // Plates do not all get dirty at the same time: then it is a lens, its focus, a lamp, or dust in
-  // the air.
-  bool blames_camera() const { return trends >= 5 && 2 * losing_light > trends; }
+  // Plates do not all get dirty or wear at the same time: then it is a lens, its focus, a lamp, or
+  // dust in the air.
+  bool blames_camera() const { return trends >= 5 && 2 * falling > trends; }
 };
 
 // What to do when the report blames the camera, in words.

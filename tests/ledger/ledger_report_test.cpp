@@ -32,6 +32,13 @@ VerifiedFile photo_of_wall(const Survey& survey, int day, const std::vector<std:
   return file;
 }
 
+// As measured at 6 pixels a module.
+void grade(GradeParameter parameter, double value, VerifiedTag& tag) {
+  tag.module_px = 6;
+  tag.grade = SymbolGrade{3, parameter, false};
+  tag.grade->means[static_cast<std::size_t>(parameter)] = {3, value};
+}
+
 std::vector<std::string> gone_after(int last_day, int day, const std::vector<std::string>& gone) {
   return day > last_day ? gone : std::vector<std::string>{};
 }
@@ -111,29 +118,48 @@ TEST_CASE("plates beside each other that vanish together are to be looked for") 
   }
 }
 
-TEST_CASE("when most plates lose light at once the camera is blamed, not when few do") {
+TEST_CASE("when most plates lose quality at once the camera is blamed, not when few do") {
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
-  for (const std::size_t falling : {3U, 4U, 5U, 8U}) {
-    CAPTURE(falling);
-    const test::TemporaryFolder folder;
-    Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
-    for (int day = 1; day <= 4; ++day) {
-      VerifiedFile photo = photo_of_wall(survey, day, {});
-      for (std::size_t i = 0; i < photo.tags.size(); ++i) {
-        const double modulation = i < falling ? 0.8 - 0.06 * day : 0.8;
-        photo.tags[i].module_px = 6;
-        photo.tags[i].grade = SymbolGrade{3, GradeParameter::modulation, false};
-        photo.tags[i].grade->means[static_cast<std::size_t>(GradeParameter::modulation)] = {
-            3, modulation};
+  for (const GradeParameter fails : {GradeParameter::modulation, GradeParameter::decodability}) {
+    for (const std::size_t falling : {3U, 4U, 5U, 8U}) {
+      CAPTURE(falling);
+      const test::TemporaryFolder folder;
+      Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+      for (int day = 1; day <= 4; ++day) {
+        VerifiedFile photo = photo_of_wall(survey, day, {});
+        for (std::size_t i = 0; i < photo.tags.size(); ++i) {
+          grade(fails, i < falling ? 0.8 - 0.06 * day : 0.8, photo.tags[i]);
+        }
+        REQUIRE(ledger.enter(survey.name, std::array{photo}));
       }
-      REQUIRE(ledger.enter(survey.name, std::array{photo}));
+      const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
+      CHECK(report.trends == 8);
+      CHECK(report.falling == falling);
+      CHECK(report.losing_light == (fails == GradeParameter::modulation ? falling : 0));
+      CHECK(report.blames_camera() == (falling > 4));
+      CHECK(plates_to(PlateAction::plan, survey, report).size() == falling);
+      const PlateState& first = report.plates.front();
+      CHECK((first.cure == PlateAction::look) == report.blames_camera());
     }
-    const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
-    CHECK(report.trends == 8);
-    CHECK(report.losing_light == falling);
-    CHECK(report.blames_camera() == (falling > 4));
-    CHECK(plates_to(PlateAction::plan, survey, report).size() == falling);
   }
+}
+
+TEST_CASE("of plates that fail with most others only those that stand out are printed anew") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  for (int day = 1; day <= 4; ++day) {
+    VerifiedFile photo = photo_of_wall(survey, day, {});
+    for (VerifiedTag& tag : photo.tags) {
+      const double worn = tag.tag == "002L" ? 0.13 : 0;
+      grade(GradeParameter::decodability, 0.6 - 0.1 * day - worn, tag);
+    }
+    REQUIRE(ledger.enter(survey.name, std::array{photo}));
+  }
+  const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
+  CHECK(report.blames_camera());
+  CHECK(plates_to(PlateAction::reprint, survey, report) == std::vector<std::string>{"002L"});
+  CHECK(plates_to(PlateAction::look, survey, report).size() == 7);
 }
 
 TEST_CASE("the page draws the days as far apart as they are") {

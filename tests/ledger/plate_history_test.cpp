@@ -35,7 +35,7 @@ PlateSighting bad(const std::string& on, TagStatus status, const std::string& ru
 PlateState judge(const std::vector<PlateSighting>& seen, const char* newest = "2026-07-01") {
   PlateHistory history;
   for (const PlateSighting& one : seen) add(one, day("2026-12-31"), history);
-  return judge_plate("000L", history, day(newest));
+  return judge_quality(describe_plate("000L", history), {day(newest)});
 }
 
 }  // namespace
