@@ -340,6 +340,28 @@ void judge_faults(const PlateHistory& history, PlateState& state) {
   }
 }
 
+// Distance and light explain a plate that is unread in a photo, and not where the plates on both
+// sides of it are read. That most photos of a day say so may be the day's; two days are believed.
+void judge_unread(const PlateHistory& history, PlateState& state) {
+  std::size_t days = 0, photos = 0, unread = 0;
+  Day since{};
+  for (const auto& [day, seen] : history.days) {
+    if (seen.read + seen.unread == 0) continue;
+    if (seen.unread <= seen.read) {
+      days = photos = unread = 0;
+      continue;
+    }
+    if (days++ == 0) since = day;
+    photos += seen.read + seen.unread;
+    unread += seen.unread;
+  }
+  if (days < 2) return;
+  act(PlateAction::look,
+      fmt::format("unread in {} of {} photos since {}, while plates on both sides were read",
+                  unread, photos, to_text(since)),
+      state);
+}
+
 // The days since the plate was last cleaned or replaced.
 void find_series(const PlateHistory& history, PlateState& state) {
   state.series = qualities_of(history);
@@ -360,7 +382,7 @@ std::string to_string(PlateAction action) {
   return kNames[static_cast<std::size_t>(action)];
 }
 
-void add(const PlateSighting& seen, Day last, PlateHistory& history) {
+void add(const PlateSighting& seen, Day last, bool is_between_read, PlateHistory& history) {
   if (seen.finding.status == TagStatus::cut_off) return;
   ++history.photos;
   const auto day = parse_day(std::string_view(seen.taken).substr(0, 10));
@@ -369,6 +391,11 @@ void add(const PlateSighting& seen, Day last, PlateHistory& history) {
   PlateDay& of_day = has_day ? history.days[*day] : history.without_day;
   ++of_day.photos;
   if (seen.offset_mm) of_day.offset_mm = seen.offset_mm;
+  if (seen.finding.status != TagStatus::unreadable) {
+    ++of_day.read;
+  } else if (is_between_read && cure_of(seen.finding.rule)) {
+    ++of_day.unread;
+  }
   if (seen.finding.is_fault()) {
     if (!cure_of(seen.finding.rule)) return;
     const auto [found, ignored] = of_day.faults.try_emplace(
@@ -406,6 +433,7 @@ PlateState describe_plate(const std::string& tag, const PlateHistory& history) {
     if (seen.offset_mm) state.offset_mm = seen.offset_mm;
   }
   judge_faults(dated, state);
+  judge_unread(history, state);
   find_series(dated, state);
   if (dated.days.empty() && state.action == PlateAction::none) {
     state.action = PlateAction::unseen;
@@ -489,15 +517,39 @@ class PlateNames {
   std::set<std::string> renamed_;  // states in which plates had other names
 };
 
+// Of the walls of a photo, from where to where plates were read, along the center line.
+class ReadStretches {
+ public:
+  void add(const PlateSighting& seen, const PlacedTag& tag) {
+    if (seen.finding.status == TagStatus::unreadable) return;
+    const auto [stretch, is_first] =
+        stretches_.try_emplace({seen.entry, tag.side}, tag.chainage, tag.chainage);
+    auto& [least, most] = stretch->second;
+    least = std::min(least, tag.chainage);
+    most = std::max(most, tag.chainage);
+  }
+
+  bool contains(const PlateSighting& seen, const PlacedTag& tag) const {
+    const auto stretch = stretches_.find({seen.entry, tag.side});
+    return stretch != stretches_.end() && stretch->second.first < tag.chainage &&
+           tag.chainage < stretch->second.second;
+  }
+
+ private:
+  std::map<std::pair<long, Side>, std::pair<double, double>> stretches_;
+};
+
 // `nameless`: faults of plates that no longer have a name.
 Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day last,
                                  std::size_t& nameless) {
   Histories histories;
   PlateNames names(survey);
+  ReadStretches read_stretches;
   std::vector<PlateSighting> unread;
   const auto take = [&](const PlateSighting& seen) {
     if (const PlacedTag* tag = names.by_digits(seen)) {
-      add(seen, last, histories[tag->name]);
+      read_stretches.add(seen, *tag);
+      add(seen, last, false, histories[tag->name]);
     } else {
       unread.push_back(seen);
     }
@@ -507,7 +559,7 @@ Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day
   }
   for (const PlateSighting& seen : unread) {
     if (const PlacedTag* tag = names.by_name(seen)) {
-      add(seen, last, histories[tag->name]);
+      add(seen, last, read_stretches.contains(seen, *tag), histories[tag->name]);
     } else if (seen.finding.is_fault()) {
       ++nameless;
     }

@@ -92,6 +92,8 @@ struct SeenFault {
 // All photos of a plate of one day.
 struct PlateDay {
   std::size_t photos = 0;
+  std::size_t read = 0;    // photos in which it was read, with a fault or without
+  std::size_t unread = 0;  // that show plates on both sides read, and it not
   bool in_order = false;
   bool placed = false;    // in order in a photo that showed where it hangs
   bool up_known = false;  // in order in a photo whose up is known
@@ -112,8 +114,9 @@ struct PlateHistory {
 };
 
 // Adds a photo in which the plate is wholly in view. One that is dated after `last`, or before
-// kFirstPhotos, was taken with a wrong clock and counts as undated.
-void add(const PlateSighting& seen, Day last, PlateHistory& history);
+// kFirstPhotos, was taken with a wrong clock and counts as undated. `is_between_read`: the photo
+// shows plates of its wall on both sides of it that were read.
+void add(const PlateSighting& seen, Day last, bool is_between_read, PlateHistory& history);
 
 // The best of a day: what lowers a grade below the plate's own is caused by the photo.
 struct PlateQuality {

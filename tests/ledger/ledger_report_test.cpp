@@ -249,6 +249,26 @@ TEST_CASE("nothing is missing where the drive had ended") {
   CHECK(plates_to(PlateAction::unseen, survey, report).size() == 12);
 }
 
+TEST_CASE("a plate that few photos read counts as unread where the plates beside it were read") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  for (int photo = 0; photo < 8; ++photo) {
+    VerifiedFile file = photo_of_wall(survey, photo / 4 + 1, {});
+    file.sha256 = fmt::format("{:064x}", photo);
+    // The last plate in view is unread as often: it may be far away.
+    for (const std::size_t i : {2U, 7U}) {
+      if (photo % 4 == 0) continue;
+      file.tags[i].finding = {TagStatus::unreadable, "undecodable", "worn"};
+      file.tags[i].digits.reset();
+    }
+    REQUIRE(ledger.enter(survey.name, std::array{file}));
+  }
+  const LedgerReport report = make_ledger_report(survey, ledger, kLast).value();
+  CHECK(plates_to(PlateAction::look, survey, report) == std::vector<std::string>{"002L"});
+  CHECK(report.plates.front().reason.starts_with("unread in 6 of 8 photos since 2026-03-01"));
+}
+
 TEST_CASE("plates with the digits that a tag had before it was moved are others") {
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;

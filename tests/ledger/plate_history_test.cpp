@@ -32,9 +32,10 @@ PlateSighting bad(const std::string& on, TagStatus status, const std::string& ru
   return seen;
 }
 
-PlateState judge(const std::vector<PlateSighting>& seen, const char* newest = "2026-07-01") {
+PlateState judge(const std::vector<PlateSighting>& seen, const char* newest = "2026-07-01",
+                 bool is_between_read = false) {
   PlateHistory history;
-  for (const PlateSighting& one : seen) add(one, day("2026-12-31"), history);
+  for (const PlateSighting& one : seen) add(one, day("2026-12-31"), is_between_read, history);
   return judge_quality(describe_plate("000L", history), {day(newest)});
 }
 
@@ -246,6 +247,32 @@ TEST_CASE("what lies with a photo is not the plate's") {
   CHECK(judge({covered, good(kDays[1])}).mended.size() == 1);
   auto cut_off = bad(kDays[0], TagStatus::cut_off, "cut-off");
   CHECK(judge({cut_off}).photos == 0);
+}
+
+TEST_CASE("a plate that most photos of two days do not read is to be looked at") {
+  std::vector<PlateSighting> seen;
+  const auto add_day = [&](std::size_t i, int unread, const std::string& rule) {
+    seen.push_back(good(kDays[i]));
+    for (int photo = 0; photo < unread; ++photo) {
+      seen.push_back(bad(kDays[i], TagStatus::unreadable, rule));
+    }
+  };
+  const auto action = [&](bool is_between_read) {
+    return judge(seen, kDays[6], is_between_read).action;
+  };
+  add_day(0, 9, "undecodable");
+  CHECK(action(true) == PlateAction::none);  // may be the day's
+  add_day(1, 8, "covered");
+  CHECK(action(true) == PlateAction::look);
+  CHECK(judge(seen, kDays[6], true).reason ==
+        "unread in 17 of 19 photos since 2026-01-01, while plates on both sides were read");
+  // What is far away is unread, too.
+  CHECK(action(false) == PlateAction::none);
+  add_day(2, 1, "covered");  // as often read as not
+  CHECK(action(true) == PlateAction::none);
+  add_day(3, 5, "glare");
+  add_day(4, 5, "glare");
+  CHECK(action(true) == PlateAction::none);
 }
 
 TEST_CASE("photos are compared where they show the plate about equally large") {
