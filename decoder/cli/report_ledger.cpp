@@ -376,7 +376,9 @@ void print_in_words(const Survey& survey, const LedgerReport& report) {
               fault.rule.empty() ? "low grade" : fault.rule, last_found_in_words(fault));
   }
   if (without > 0) {
-    to_stdout("no trend yet: {} tags, {} days with a grade are needed\n", without, kLeastTrendDays);
+    to_stdout(
+        "no trend yet: {} tags, {} days with a grade from about the same distance are needed\n",
+        without, kLeastTrendDays);
   }
   const auto unseen = plates_to(PlateAction::unseen, survey, report);
   if (!unseen.empty()) to_stdout("in no photo with a date: {}\n", fmt::join(unseen, " "));

@@ -69,14 +69,17 @@ std::optional<Trend> fit_trend(const std::vector<TrendPoint>& points) {
 }
 
 Crossing crossing_of(const Trend& trend, double limit) {
-  // From the middle on, the line's confidence band is above and edge(x) below it by
-  // k sqrt(1 / n + x^2 / spread); the band's edges are at the limit where the square of the line's
-  // height is that of the half width.
+  // At x from the middle, the edges of the line's confidence band are above and below it by the
+  // root of k^2 (1 / n + x^2 / spread) + (distance_level + distance_slope x)^2; they are at the
+  // limit where the square of the line's height is that of this half width.
   const double k = student_t(trend.days - 2) * trend.scatter;
   const double height = trend.level - limit;
-  const double a = trend.slope * trend.slope - k * k / trend.spread;
-  const double c = height * height - k * k / static_cast<double>(trend.days);
-  const auto [lesser, greater] = roots(a, 2 * trend.slope * height, c);
+  const double a = trend.slope * trend.slope - k * k / trend.spread -
+                   trend.distance_slope * trend.distance_slope;
+  const double b = 2 * (trend.slope * height - trend.distance_level * trend.distance_slope);
+  const double c = height * height - k * k / static_cast<double>(trend.days) -
+                   trend.distance_level * trend.distance_level;
+  const auto [lesser, greater] = roots(a, b, c);
   const bool surely_falls = a > 0 && trend.slope < 0;
   const bool surely_above = c > 0;  // in the middle
   Crossing crossing;
@@ -167,8 +170,14 @@ FaultHistory trace_fault(const std::string& tag, const PlateHistory& history,
   return traced;
 }
 
+// What separates a grade from the one below, near the limit.
+double grade_step(std::size_t parameter) {
+  const auto limits = grade_limits(kWearParameters[parameter]);
+  return std::abs(limits[2] - limits[3]);
+}
+
 // Photos of one plate are compared where they show it about equally large: the fewer pixels a
-// module has, the more the lens takes from modulation and decodability.
+// module has, the more the lens takes from modulation and decodability (DistanceEffect).
 std::vector<PlateQuality> qualities_of(const PlateHistory& history) {
   constexpr double kLikeScale = 1.5;
   std::vector<double> sizes;
@@ -236,8 +245,39 @@ PlateDue due_of(Trend trend, std::size_t parameter) {
   return due;
 }
 
-// The first to reach its limit.
-std::optional<PlateDue> first_due(std::span<const PlateQuality> series) {
+// One quality over the days that have it.
+struct QualityPoints {
+  std::vector<TrendPoint> goodness;
+  std::vector<TrendPoint> lack;  // PlateQuality::lack
+};
+
+QualityPoints points_of(std::span<const PlateQuality> series, std::size_t parameter) {
+  QualityPoints points;
+  for (const PlateQuality& quality : series) {
+    if (!quality.values[parameter]) continue;
+    const auto day = static_cast<double>(quality.day.time_since_epoch().count());
+    points.goodness.push_back({day, goodness(parameter, *quality.values[parameter])});
+    points.lack.push_back({day, quality.lack});
+  }
+  return points;
+}
+
+// The series as photos from the usual distance would show it.
+std::vector<PlateQuality> at_usual_distance(std::span<const PlateQuality> series,
+                                            const DistanceEffects& effects) {
+  std::vector<PlateQuality> usual(series.begin(), series.end());
+  for (PlateQuality& day : usual) {
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+      if (day.values[i]) *day.values[i] -= goodness(i, effects[i].slope * day.lack);
+    }
+  }
+  return usual;
+}
+
+// The first to reach its limit, of a series at the usual distance. Nothing where the distance may
+// have made a whole grade.
+std::optional<PlateDue> first_due(std::span<const PlateQuality> series,
+                                  const DistanceEffects& effects) {
   std::optional<PlateDue> first;
   const auto is_earlier = [](const PlateDue& a, const PlateDue& b) {
     if (a.expected.has_value() != b.expected.has_value()) return a.expected.has_value();
@@ -245,14 +285,13 @@ std::optional<PlateDue> first_due(std::span<const PlateQuality> series) {
                                                     : a.not_before < b.not_before;
   };
   for (std::size_t i = 0; i < kWearParameters.size(); ++i) {
-    std::vector<TrendPoint> points;
-    for (const PlateQuality& day : series) {
-      if (!day.values[i]) continue;
-      points.push_back(
-          {static_cast<double>(day.day.time_since_epoch().count()), goodness(i, *day.values[i])});
-    }
-    const std::optional<Trend> trend = fit_trend(points);
+    const QualityPoints points = points_of(series, i);
+    std::optional<Trend> trend = fit_trend(points.goodness);
     if (!trend) continue;
+    const Trend lack = *fit_trend(points.lack);
+    if (effects[i].half_width * std::abs(lack.at(lack.last)) > grade_step(i)) return std::nullopt;
+    trend->distance_level = effects[i].half_width * lack.level;
+    trend->distance_slope = effects[i].half_width * lack.slope;
     const PlateDue due = due_of(*trend, i);
     if (!first || is_earlier(due, *first)) first = due;
   }
@@ -295,13 +334,14 @@ void act(PlateAction action, const std::string& reason, PlateState& state) {
 }
 
 // A trend does not know what happened at once. What one day shows may be the day's, or the
-// camera's, so somebody is to look; two days are believed.
-void judge_last_days(std::span<const PlateQuality> series, const AllPlates& all,
-                     PlateState& state) {
+// camera's, so somebody is to look; two days are believed, where it is not the distance.
+void judge_last_days(std::span<const PlateQuality> series, std::span<const PlateQuality> at_usual,
+                     const AllPlates& all, PlateState& state) {
   const PlateQuality& last = series.back();
   const auto parameter = failed(last);
   if (!parameter) return;
-  const bool is_alone = series.size() == 1 || !failed(series[series.size() - 2]);
+  const bool is_alone =
+      series.size() == 1 || !failed(at_usual.back()) || !failed(at_usual[at_usual.size() - 2]);
   act(is_alone ? PlateAction::look : cure_of(kWearParameters[*parameter], last.values, all),
       fmt::format("{} {:.2f} on {}, limit {:.2f}", to_string(kWearParameters[*parameter]),
                   *last.values[*parameter], to_text(last.day),
@@ -311,10 +351,11 @@ void judge_last_days(std::span<const PlateQuality> series, const AllPlates& all,
 
 void judge_days(std::span<const PlateQuality> series, const AllPlates& all, PlateState& state) {
   if (series.empty()) return;
-  state.due = first_due(series);
-  if (!state.due || !state.due->is_past) judge_last_days(series, all, state);
+  const std::vector<PlateQuality> at_usual = at_usual_distance(series, all.distance);
+  state.due = first_due(at_usual, all.distance);
+  if (!state.due || !state.due->is_past) judge_last_days(series, at_usual, all, state);
   if (!state.due || !state.due->expected) return;
-  const PlateAction cure = cure_of(state.due->parameter, series.back().values, all);
+  const PlateAction cure = cure_of(state.due->parameter, at_usual.back().values, all);
   const bool is_now = *state.due->expected <= all.newest;
   if (!is_now && state.action > PlateAction::plan) state.cure = cure;
   act(is_now ? cure : PlateAction::plan, in_words(*state.due), state);
@@ -373,6 +414,10 @@ void find_series(const PlateHistory& history, PlateState& state) {
     if (cure && *cure <= PlateAction::clean) begin = std::max(begin, fault.in_order);
   }
   std::erase_if(state.series, [&](const PlateQuality& day) { return day.day < begin; });
+  std::vector<double> sizes;
+  for (const PlateQuality& day : state.series) sizes.push_back(day.module_px);
+  const double usual = sizes.empty() ? 0 : quantile(sizes, 0.5);
+  for (PlateQuality& day : state.series) day.lack = 1 / day.module_px - 1 / usual;
 }
 
 }  // namespace
@@ -439,6 +484,67 @@ PlateState describe_plate(const std::string& tag, const PlateHistory& history) {
     state.action = PlateAction::unseen;
   }
   return state;
+}
+
+namespace {
+
+// What the days of all plates sum to, the plates' own levels and trends taken away.
+struct DistanceSums {
+  double squares = 0;   // of the lacks
+  double product = 0;   // of lacks and goodness
+  double goodness = 0;  // squares of it
+  std::ptrdiff_t freedom = -1;
+  std::map<double, std::pair<double, double>> days;  // squares, product
+};
+
+DistanceSums sums_of(const std::vector<PlateState>& plates, std::size_t parameter) {
+  DistanceSums sums;
+  for (const PlateState& plate : plates) {
+    const QualityPoints points = points_of(plate.series, parameter);
+    const std::optional<Trend> trend = fit_trend(points.goodness);
+    if (!trend) continue;
+    const Trend lack_trend = *fit_trend(points.lack);
+    for (std::size_t i = 0; i < points.lack.size(); ++i) {
+      const auto [day, lack] = points.lack[i];
+      const double unusual = lack - lack_trend.at(day);
+      const double better = points.goodness[i].value - trend->at(day);
+      sums.squares += unusual * unusual;
+      sums.product += unusual * better;
+      sums.goodness += better * better;
+      sums.days[day].first += unusual * unusual;
+      sums.days[day].second += unusual * better;
+    }
+    sums.freedom += static_cast<std::ptrdiff_t>(points.lack.size()) - 2;
+  }
+  return sums;
+}
+
+// Plates of one day share its lamps and its fog: the deviation is the greater one of that by single
+// days of plates and that by whole days (Liang and Zeger, Biometrika 73, 1986: 13).
+DistanceEffect effect_of(const DistanceSums& sums) {
+  constexpr double kOneDistance = 1e-12;  // sizes are rounded to far more
+  if (sums.squares < kOneDistance || sums.freedom < 1) return {};
+  DistanceEffect effect{sums.product / sums.squares};
+  const auto freedom = static_cast<double>(sums.freedom);
+  const double left = std::max(0.0, sums.goodness - effect.slope * sums.product) / freedom;
+  double by_days = 0;
+  for (const auto& [day, sum] : sums.days) {
+    by_days += std::pow(sum.second - effect.slope * sum.first, 2);
+  }
+  const std::size_t days = sums.days.size();
+  by_days *= static_cast<double>(days) / static_cast<double>(days - 1);
+  const double deviation = std::sqrt(std::max(left * sums.squares, by_days)) / sums.squares;
+  const std::size_t fewest = std::min(static_cast<std::size_t>(sums.freedom), days - 1);
+  effect.half_width = student_t(fewest) * deviation;
+  return effect;
+}
+
+}  // namespace
+
+DistanceEffects distance_effects(const std::vector<PlateState>& plates) {
+  DistanceEffects effects;
+  for (std::size_t i = 0; i < effects.size(); ++i) effects[i] = effect_of(sums_of(plates, i));
+  return effects;
 }
 
 // A last day that is better at once may be a plate that was cleaned, or a camera that sharpens:
@@ -646,9 +752,7 @@ WearValues usual_values(const std::vector<PlateState>& plates) {
 bool stands_out(const PlateState& plate, const WearValues& usual) {
   for (std::size_t i = 0; i < usual.size() && !plate.series.empty(); ++i) {
     const auto& value = plate.series.back().values[i];
-    const auto limits = grade_limits(kWearParameters[i]);
-    if (value && usual[i] &&
-        goodness(i, *usual[i]) - goodness(i, *value) >= std::abs(limits[2] - limits[3])) {
+    if (value && usual[i] && goodness(i, *usual[i]) - goodness(i, *value) >= grade_step(i)) {
       return true;
     }
   }
@@ -657,7 +761,7 @@ bool stands_out(const PlateState& plate, const WearValues& usual) {
 
 // Plates as they are described, judged by their series.
 void judge_all(const std::vector<PlateState>& described, LedgerReport& report) {
-  AllPlates all{report.newest.value_or(Day{})};
+  AllPlates all{report.newest.value_or(Day{}), distance_effects(described)};
   for (const PlateState& plate : described) {
     report.plates.push_back(judge_quality(plate, all));
     count_trend(report.plates.back(), report);

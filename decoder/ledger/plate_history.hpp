@@ -38,6 +38,10 @@ struct Trend {
   double level = 0;    // at the middle
   double slope = 0;    // per day
   double scatter = 0;  // standard deviation of a day's value about the line
+  // How far the line's height may be off by the distances of the photos, at the middle and per day:
+  // half of an interval of kTrendConfidence.
+  double distance_level = 0;
+  double distance_slope = 0;
 
   double at(double day) const { return level + slope * (day - middle); }
 };
@@ -123,13 +127,14 @@ struct PlateQuality {
   Day day;
   double grade = 0;
   double module_px = 0;
+  double lack = 0;  // 1 / module_px more than at the plate's usual distance
   WearValues values{};
 };
 
 // The quality in which the trend reaches the limit first.
 struct PlateDue {
   GradeParameter parameter = GradeParameter::modulation;
-  Trend trend;  // of the measured value; defects rise
+  Trend trend;  // of the value at the plate's usual distance; defects rise
   double limit = 0;
   bool is_past = false;  // on the last day it was beyond it
   Day not_before{};
@@ -158,9 +163,22 @@ struct PlateState {
   std::optional<std::array<double, 3>> offset_mm;  // from the last day that has it
 };
 
+// What a quality changes by with PlateQuality::lack: blur takes the more from it the fewer pixels a
+// module has.
+struct DistanceEffect {
+  double slope = 0;         // better is greater
+  double half_width = 1e6;  // of the interval of kTrendConfidence about it; so great: not known
+};
+using DistanceEffects = std::array<DistanceEffect, kWearParameters.size()>;
+
+// The same for all plates, because their photos are of the same cameras. Tells wear from distance
+// where plates have four days or more, or several have three.
+DistanceEffects distance_effects(const std::vector<PlateState>& plates);
+
 // What the photos of all plates say together.
 struct AllPlates {
-  Day newest;              // of the newest photo
+  Day newest;  // of the newest photo
+  DistanceEffects distance{};
   bool most_fall = false;  // as LedgerReport::blames_camera
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/ledger/plate_history.hpp"
 
+#include <random>
+
 #include <doctest/doctest.h>
 
 #include "tagsmith/base/date.hpp"
@@ -36,7 +38,8 @@ PlateState judge(const std::vector<PlateSighting>& seen, const char* newest = "2
                  bool is_between_read = false) {
   PlateHistory history;
   for (const PlateSighting& one : seen) add(one, day("2026-12-31"), is_between_read, history);
-  return judge_quality(describe_plate("000L", history), {day(newest)});
+  const PlateState plate = describe_plate("000L", history);
+  return judge_quality(plate, {day(newest), distance_effects({plate})});
 }
 
 }  // namespace
@@ -288,6 +291,86 @@ TEST_CASE("photos are compared where they show the plate about equally large") {
   // Of a day the best photo counts.
   seen.push_back(good(kDays[4], 0.79));
   CHECK(*judge(seen).series.back().values[1] == 0.79);
+}
+
+TEST_CASE("distance is not taken for wear") {
+  // One plate, alone, that is new and photographed from further away each time.
+  std::vector<PlateSighting> alone;
+  constexpr std::array kSizes{6.4, 6.0, 5.4, 4.9, 4.4};
+  constexpr std::array kDecodability{0.72, 0.64, 0.53, 0.38, 0.22};
+  for (std::size_t i = 0; i < kSizes.size(); ++i) {
+    alone.push_back(good(kDays[i], 0.8, kDecodability[i]));
+    alone.back().module_px = kSizes[i];
+  }
+  const PlateState far = judge(alone, kDays[4]);
+  CHECK(far.action == PlateAction::look);
+  CHECK(far.reason == "decodability 0.22 on 2026-05-01, limit 0.25");
+  CHECK_FALSE(far.due->expected);
+  // Of three days nobody can tell what was distance.
+  CHECK_FALSE(judge({alone[0], alone[1], alone[2]}).due);
+  for (PlateSighting& seen : alone) seen.module_px = 5;
+  CHECK(judge(alone, kDays[4]).action == PlateAction::reprint);
+}
+
+TEST_CASE("what plates lose with the distance is told by all of them together") {
+  // Values with an effect of -4 of 1 / module_px. The first plate is new, the second one wears and
+  // is photographed from nearer each time, the others are new, and their distances vary.
+  constexpr std::array<std::array<double, 4>, 4> kSizes{
+      {{6.0, 5.6, 5.2, 4.8}, {4.8, 5.2, 5.6, 6.0}, {5.0, 5.5, 5.1, 5.3}, {5.4, 5.0, 5.6, 5.2}}};
+  std::vector<PlateState> plates;
+  for (std::size_t plate = 0; plate < kSizes.size(); ++plate) {
+    PlateHistory history;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double worn = plate == 1 ? 0.06 * static_cast<double>(i) : 0;
+      const double size = kSizes[plate][i];
+      PlateSighting seen = good(kDays[i], 0.8, 0.55 - worn - 4 * (1 / size - 1 / 5.4));
+      seen.module_px = size;
+      add(seen, day(kDays[6]), false, history);
+    }
+    plates.push_back(describe_plate("000L", history));
+  }
+  const AllPlates all{day(kDays[3]), distance_effects(plates)};
+  CHECK(all.distance[2].slope == doctest::Approx(-4).epsilon(0.02));
+  CHECK(all.distance[2].half_width < 0.4);
+  CHECK(judge_quality(plates[0], all).action == PlateAction::none);
+  const PlateState worn = judge_quality(plates[1], all);
+  CHECK(worn.action == PlateAction::plan);
+  REQUIRE(worn.due);
+  CHECK(worn.due->parameter == GradeParameter::decodability);
+  CHECK(worn.due->trend.slope * 30 == doctest::Approx(-0.06).epsilon(0.05));
+}
+
+TEST_CASE("the stated interval holds the true day where distances vary") {
+  constexpr unsigned kSeed = 5;
+  std::mt19937 random(kSeed);
+  std::normal_distribution<double> noise(0, 0.015);
+  std::uniform_real_distribution<double> size(4.6, 6.4);
+  int held = 0, stated = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    std::vector<PlateState> plates(4);
+    for (PlateState& plate : plates) {
+      for (const char* text : kDays) {
+        PlateQuality& quality = plate.series.emplace_back(PlateQuality{day(text), 3, size(random)});
+        quality.lack = 1 / quality.module_px - 0.18;
+        const double days = static_cast<double>((quality.day - day(kDays[0])).count());
+        quality.values[2] = 0.75 - 0.001 * days - 5 * quality.lack + noise(random);
+      }
+    }
+    const DistanceEffects distance = distance_effects(plates);
+    for (const PlateState& plate : plates) {
+      const PlateState judged = judge_quality(plate, {day(kDays[6]), distance});
+      if (!judged.due) continue;
+      ++stated;
+      const Day truth = day(kDays[0]) + std::chrono::days(500);
+      held += judged.due->not_before <= truth &&
+                      (!judged.due->not_after || *judged.due->not_after >= truth)
+                  ? 1
+                  : 0;
+    }
+  }
+  CHECK(stated == 2000);
+  // 2000 plates: a standard deviation of 0.009.
+  CHECK(static_cast<double>(held) / stated == doctest::Approx(kTrendConfidence).epsilon(0.04));
 }
 
 TEST_CASE("a photo without a date is counted and in no trend") {
