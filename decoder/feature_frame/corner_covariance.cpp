@@ -47,18 +47,23 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double dis
 
 // The covariance of the sides' places: edges are displaced alike on all sides, and more or less
 // from one end of the frame to the other, as the light changes there.
-CornerCovariance of_displaced_edges(double displaced) {
+CornerCovariance of_displaced_edges(const RefinedFrame& frame, double displaced, double alike) {
   Eigen::Matrix<double, 3, 8> by_mode;
   by_mode << 1, 1, 1, 1, 1, 1, 1, 1,  //
       -1, 1, 1, 1, 1, -1, -1, -1,     // along the symbol
       -1, -1, -1, 1, 1, 1, 1, -1;     // across it
-  return displaced * displaced / 4 * by_mode.transpose() * by_mode;
+  by_mode.row(0) *= std::hypot(displaced / 2, alike);
+  by_mode.bottomRows<2>() *= displaced / 2;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!frame.shown[i]) by_mode.middleCols<2>(index(2 * i)).setZero();
+  }
+  return by_mode.transpose() * by_mode;
 }
 
 }  // namespace
 
-CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced) {
-  CornerCovariance of_places = of_displaced_edges(displaced);
+CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced, double alike) {
+  CornerCovariance of_places = of_displaced_edges(frame, displaced, alike);
   for (std::size_t i = 0; i < 4; ++i) {
     of_places.block<2, 2>(index(2 * i), index(2 * i)) +=
         kCorner.alike * frame.sides[i].covariance + unexplained(frame, i, displaced);

@@ -16,7 +16,9 @@ using CornerCovariance = Eigen::Matrix<double, 8, 8>;
 // added. `displaced`: by how many pixels, one standard deviation, edges may lie elsewhere than the
 // growth of the bars says. A tone curve that is not sRGB, or that ends in the white, displaces a
 // single edge differently from edges between bars. Half of this is common to all sides, and it is
-// twice as much for a side that runs along the pixel grid.
-CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced = 0);
+// twice as much for a side that runs along the pixel grid. `alike`: how far all of them may lie
+// outwards or inwards alike, pixels. Neither moves a side that was not fitted to its edge.
+CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced = 0,
+                                   double alike = 0);
 
 }  // namespace tagsmith::detail

@@ -66,10 +66,15 @@ double common_blur(const std::vector<FittedSide>& sides) {
   return std::sqrt(blurs[1] * blurs[2]);
 }
 
+// Pixels: strokes that are thinner are fitted by both of their edges.
+double thin_stroke(bool was_sharpened) {
+  return was_sharpened ? kSharpening.thin_stroke : kEdgeFit.thin_stroke;
+}
+
 // `beyond`: by how much the sides' middles bow beyond what the lens gives.
 FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const LensDistortion& lens,
                                 const std::array<double, 4>& beyond) {
-  const double thin = sight.was_sharpened ? kSharpening.thin_stroke : kEdgeFit.thin_stroke;
+  const double thin = thin_stroke(sight.was_sharpened);
   const SideSagittas bows = sagittas_of(lens, settled);
   std::vector<FittedSide> sides;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -311,23 +316,26 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
 
 FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                              const std::array<bool, 4>& shown, double hidden_sigma,
-                                             const LensDistortion& lens, const FrameShape& shape) {
+                                             const LensDistortion& lens, const FrameShape& shape,
+                                             bool was_sharpened) {
   constexpr std::ptrdiff_t kLeastShown = 2;
   std::array<SideLine, 4> lines{};
   RefinedFrame frame;
   frame.lens = lens;
+  frame.was_sharpened = was_sharpened;
   const SideSagittas bows = sagittas_of(lens, settled);
   double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_to_fit(image, settled, i, shape, lens, bows);
     frame.shown[i] = false;
     if (!shown[i]) continue;
-    const auto side = FittedSide::fit(image, lines[i], kEdgeFit.thin_stroke);
+    const auto side = FittedSide::fit(image, lines[i], thin_stroke(was_sharpened));
     if (!side || !side->stays_near()) continue;
     const double doubt = clear_bow(side->bow());
     lines[i] = side->line();
     frame.sides[i] = side->side();
     frame.shown[i] = true;
+    if (was_sharpened) frame.sides[i].covariance *= side->noise_correlation();
     frame.sides[i].covariance += off_by_bow(doubt * doubt);
     most_doubt = std::max(most_doubt, doubt);
   }

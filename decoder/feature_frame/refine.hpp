@@ -44,6 +44,7 @@ FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settle
 FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                              const std::array<bool, 4>& shown, double hidden_sigma,
                                              const LensDistortion& lens = {},
-                                             const FrameShape& shape = {});
+                                             const FrameShape& shape = {},
+                                             bool was_sharpened = false);
 
 }  // namespace tagsmith::detail

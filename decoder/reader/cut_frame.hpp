@@ -39,6 +39,6 @@ std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
 // Fits the sides 0, 2 and 3 of a frame whose side 1 is out of the picture; side 1 stays. Nothing
 // where one of the three is not visible.
 std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& corners,
-                                          const FrameShape& shape);
+                                          const FrameShape& shape, bool was_sharpened = false);
 
 }  // namespace tagsmith::detail

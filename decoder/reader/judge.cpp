@@ -168,7 +168,7 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
     shown[i] = frame.shown[i] && i != verdict.side;
   }
   const auto completed = refine_shown_sides(image, verdict.corners, shown, verdict.sigma_px,
-                                            frame.lens, symbol.layout.frame);
+                                            frame.lens, symbol.layout.frame, frame.was_sharpened);
   if (!completed) return std::nullopt;
   const auto again = believed_hypothesis(image, *completed, options, true);
   if (!again || again->decoding.digits != symbol.decoding.digits) return std::nullopt;

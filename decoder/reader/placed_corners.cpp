@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -44,22 +45,40 @@ void add_doubt_of_sides(const StrokeExcesses& excesses, double growth_along_bars
   }
 }
 
+// By how much a stroke is thicker than bars and layout say, of those whose outer edges show: half
+// of it may be at its inner edge.
+double common_to_strokes(const StrokeExcesses& excesses) {
+  double sum = 0, count = 0;
+  for (const auto& excess : excesses) {
+    if (!excess) continue;
+    sum += excess->common_px;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+CornerCovariance covariance_by_frame(RefinedFrame frame, const SymbolHypothesis& symbol,
+                                     const StrokeExcesses& excesses) {
+  const BlackGrowth growth = growth_of(symbol);
+  add_doubt_of_sides(excesses, growth.along_bars_px, frame);
+  const double by_growth = growth.doubt_px / 2;
+  const double by_strokes = common_to_strokes(excesses) / 2;
+  const double by_shadows = symbol.in_shadow ? kCorner.in_shadow : 0;
+  return corner_covariance(frame, std::hypot(by_growth, by_shadows), by_strokes);
+}
+
 // Where no end of the bars is visible, only the stroke distinguishes the upper and the lower side
 // from other edges, and an edge between light and shade may lie on it.
 PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show,
                               const StrokeExcesses& excesses) {
   RefinedFrame frame = symbol.frame;
-  const BlackGrowth growth = growth_of(symbol);
-  add_doubt_of_sides(excesses, growth.along_bars_px, frame);
   if (!ends_show) {
     for (FrameSide* side : {&frame.sides[0], &frame.sides[2]}) {
       const double doubt = side->stroke_px / 2;
       side->covariance += Eigen::Matrix2d::Identity() * doubt * doubt;
     }
   }
-  const double by_growth = growth.doubt_px / 2;
-  const double by_shadows = symbol.in_shadow ? kCorner.in_shadow : 0;
-  return {corners_of(symbol), corner_covariance(frame, std::hypot(by_growth, by_shadows))};
+  return {corners_of(symbol), covariance_by_frame(std::move(frame), symbol, excesses)};
 }
 
 CornerVector as_vector(const FrameCorners& corners) {
@@ -303,6 +322,10 @@ CornerCovariance covariance_beside_a_line(const FrameCorners& corners,
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol) {
   return find_both_ends(
       image, bar_field(symbol.frame.corners, symbol.layout, symbol.frame.lens, symbol.in_shadow));
+}
+
+CornerCovariance covariance_by_frame(const GrayView& image, const SymbolHypothesis& symbol) {
+  return covariance_by_frame(symbol.frame, symbol, stroke_excesses(image, symbol));
 }
 
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,

@@ -18,6 +18,10 @@ struct PlacedCorners {
 // Where a symbol's bars end, in its frame as that was fitted.
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol);
 
+// Of the corners as the frame's sides give them, pixels^2, with what growth and strokes make
+// unsure about all of them.
+CornerCovariance covariance_by_frame(const GrayView& image, const SymbolHypothesis& symbol);
+
 // From the frame's sides, from the bars of the upper and of the lower half of their height, which
 // give the sides that run beside them (59 edges, of which one half is moved by growth and blur in
 // the opposite direction to the other half), and from where the bars end (`bar_ends_of`).

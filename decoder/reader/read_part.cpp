@@ -17,6 +17,7 @@
 #include "decoder/reader/cut_frame.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/occluders.hpp"
+#include "decoder/reader/placed_corners.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -155,8 +156,8 @@ Eigen::Matrix2d covariance_of(const FarSide& side) {
 // The frame fitted anew with its far side where the bars put it, and the symbol read anew in it.
 std::optional<Part> read_anew(const GrayView& image, const Quad& corners,
                               const SymbolLayout& layout, RowsTaken taken,
-                              const ReadOptions& options) {
-  auto frame = fit_cut_frame(image, corners, layout.frame);
+                              const ReadOptions& options, bool was_sharpened = false) {
+  auto frame = fit_cut_frame(image, corners, layout.frame, was_sharpened);
   if (!frame) return std::nullopt;
   const RobustProfile rows(image, *frame, layout);
   Part part{*std::move(frame), layout, rows, taken, profile_of(rows, taken)};
@@ -280,17 +281,19 @@ bool in_picture(const GrayView& image, PixelPoint at) {
 PartReading reading_of(const GrayView& image, const Part& part) {
   const Decoding& decoding = part.decoding.decoding;
   const FarSide far = far_side_of(part);
-  const BlackGrowth growth = growth_of_bars(decoding, part.profile.module_px);
+  const std::size_t first = decoding.upside_down ? 2 : 0;
   RefinedFrame frame = part.frame;
-  frame.corners = with_far_side(widened(frame.corners, growth.px / 2), far);
+  frame.corners = with_far_side(frame.corners, far);
   frame.sides[1].covariance = covariance_of(far);
-  frame = turned_to(std::move(frame), decoding.upside_down ? 2 : 0);
+  const SymbolHypothesis symbol{turned_to(frame, first), part.layout, part.profile, decoding};
+  // The bars put the far side where it is, however they grew.
+  frame.corners = with_far_side(widened(part.frame.corners, growth_of(symbol).px / 2), far);
   PartReading reading;
-  reading.corners = frame.corners;
+  reading.corners = turned_to(frame, first).corners;
   for (std::size_t i = 0; i < 4; ++i) {
     reading.corner_in_sight[i] = in_picture(image, reading.corners[i]);
   }
-  reading.corner_covariance = corner_covariance(frame, growth.doubt_px / 2);
+  reading.corner_covariance = covariance_by_frame(image, symbol);
   reading.candidates = part.decoding.candidates;
   reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);
@@ -386,7 +389,8 @@ std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
   if (!halos) return reading_of(image, *part);
   UnsharpenedImage plain(image);
   plain.undo(*halos, cut);
-  auto again = read_anew(plain.view(), part->frame.corners, part->layout, part->taken, options);
+  auto again =
+      read_anew(plain.view(), part->frame.corners, part->layout, part->taken, options, true);
   if (!again || !is_believed(plain.view(), *again, options)) return reading_of(image, *part);
   add_halo_doubt(part->frame.corners, again->frame);
   return reading_of(plain.view(), *again);

@@ -129,12 +129,14 @@ StrokeExcesses stroke_excesses(const GrayView& image, const SymbolHypothesis& sy
   if (shares.empty()) return excesses;
   // What most strokes have in common is the print's. Where it is more than that, most have a crust.
   const double of_print = symbol.layout.frame.stroke_tolerance;
+  const bool is_known = of_print < 1;
   std::ranges::sort(shares);
   const double middle = (shares[(shares.size() - 1) / 2] + shares[shares.size() / 2]) / 2;
   const double common = std::clamp(middle, -of_print, of_print);
   for (std::size_t side = 0; side < 4; ++side) {
     if (!excesses[side]) continue;
     const double alone = excesses[side]->px - common * thickness[side];
+    if (is_known) excesses[side]->common_px = common * thickness[side];
     if (std::abs(alone) < std::abs(excesses[side]->px)) excesses[side]->px = alone;
   }
   return excesses;

@@ -12,10 +12,13 @@
 namespace tagsmith::detail {
 
 // By how much a side's stroke is thicker than the layout has it, besides the growth of everything
-// black.
+// black and what all strokes have in common.
 struct StrokeExcess {
   double px = 0;
   double sigma_px = 0;
+  // What it has in common with the others, where the layout's stroke is known: they were printed
+  // so, or what the camera does to a picture moves edges that stand alone otherwise than bars.
+  double common_px = 0;
 };
 
 // Of the frame's four sides, by the outer edges that are seen beside the inner ones; nothing of

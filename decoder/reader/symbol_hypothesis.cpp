@@ -61,7 +61,8 @@ std::vector<double> stroke_growths(const SymbolHypothesis& symbol) {
         (dot(begins[i] - side.begin, side.outward) + dot(ends[i] - side.end, side.outward)) / 2;
     // The fit looks a little beyond the outer edge of a stroke whose thickness follows from the
     // side's proportions.
-    const bool is_seen = side.stroke < kSharpening.thin_stroke && nominal < side.stroke + 1;
+    const bool is_seen =
+        symbol.frame.shown[i] && side.stroke < kSharpening.thin_stroke && nominal < side.stroke + 1;
     if (is_seen) growths.push_back(symbol.frame.sides[i].stroke_px - nominal);
   }
   return growths;
@@ -164,12 +165,12 @@ FrameCorners corners_by_bars(const SymbolHypothesis& symbol) {
   return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 
+namespace {
+
 BlackGrowth growth_of_bars(const Decoding& decoding, double module_px) {
   const double px = decoding.fit.image.growth * module_px;
   return {px, kSharpening.doubt * std::abs(px)};
 }
-
-namespace {
 
 // By the bars; where the picture was sharpened, by the frame's stroke.
 BlackGrowth growth_by_bars_or_strokes(const SymbolHypothesis& symbol) {

@@ -91,9 +91,6 @@ struct BlackGrowth {
   double along_bars_px = 0;
 };
 
-// By bars with modules of this width.
-BlackGrowth growth_of_bars(const Decoding& decoding, double module_px);
-
 // By the bars; where the picture was sharpened, by the frame's stroke.
 BlackGrowth growth_of(const SymbolHypothesis& symbol);
 

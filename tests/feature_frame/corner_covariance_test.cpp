@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/refine.hpp"
+#include "decoder/feature_frame/side_line.hpp"
 
 using namespace tagsmith::detail;
 
@@ -134,5 +135,25 @@ TEST_CASE("Edges that growth displaces otherwise move a frame's corners together
     CAPTURE(i);
     if (i < 5) CHECK(solver.eigenvalues()[i] == doctest::Approx(0).epsilon(1e-9));
     if (i >= 5) CHECK(solver.eigenvalues()[i] > kDisplaced * kDisplaced);
+  }
+}
+
+TEST_CASE(
+    "Edges that all lie outwards alike move a frame's corners in one way, and no hidden side") {
+  constexpr double kAlike = 0.1;
+  RefinedFrame frame = skew_frame();
+  for (const bool is_hidden : {false, true}) {
+    CAPTURE(is_hidden);
+    frame.shown[1] = !is_hidden;
+    const CornerCovariance added = corner_covariance(frame, 0, kAlike) - corner_covariance(frame);
+    const Eigen::SelfAdjointEigenSolver<CornerCovariance> solver(added);
+    for (Eigen::Index i = 0; i < 7; ++i) {
+      CHECK(solver.eigenvalues()[i] == doctest::Approx(0).epsilon(1e-9));
+    }
+    CHECK(solver.eigenvalues()[7] > kAlike * kAlike);
+    const PixelPoint outward = side_of(frame.corners, 1).outward;
+    const double across = Eigen::Vector2d(outward.x, outward.y).transpose() *
+                          added.block<2, 2>(2, 2) * Eigen::Vector2d(outward.x, outward.y);
+    CHECK(across == doctest::Approx(is_hidden ? 0 : kAlike * kAlike).epsilon(1e-9));
   }
 }

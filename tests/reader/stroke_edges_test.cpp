@@ -179,3 +179,20 @@ TEST_CASE("corners beside a crust are where the bars' ends have them, and unsure
   CHECK(std::abs(upper) < 0.1);
   CHECK(placed.covariance(1, 1) < 0.05);
 }
+
+TEST_CASE("what all strokes lack of a known template makes all sides unsure alike") {
+  DrawnSymbol drawn(kDrawnDigits, 3);
+  drawn.layout.frame.stroke = 1.02 * kStroke / 3.0;
+  drawn.layout.frame.stroke_tolerance = 0.03;
+  const SymbolHypothesis symbol = symbol_of(drawn);
+  for (const auto& excess : stroke_excesses(drawn.image.view(), symbol)) {
+    REQUIRE(excess);
+    CHECK(excess->common_px == doctest::Approx(-0.02 * kStroke).epsilon(0.3));
+    CHECK(std::abs(excess->px) < excess->sigma_px);
+  }
+  const double added = (covariance_by_frame(drawn.image.view(), symbol) -
+                        corner_covariance(symbol.frame, growth_of(symbol).doubt_px / 2))
+                           .trace();
+  const double half = 0.01 * kStroke;
+  CHECK(added == doctest::Approx(8 * half * half).epsilon(0.6));
+}
