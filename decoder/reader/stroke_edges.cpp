@@ -131,12 +131,14 @@ StrokeExcesses stroke_excesses(const GrayView& image, const SymbolHypothesis& sy
   const double of_print = symbol.layout.frame.stroke_tolerance;
   const bool is_known = of_print < 1;
   std::ranges::sort(shares);
-  const double middle = (shares[(shares.size() - 1) / 2] + shares[shares.size() / 2]) / 2;
-  const double common = std::clamp(middle, -of_print, of_print);
+  const double low = shares[(shares.size() - 1) / 2], high = shares[shares.size() / 2];
+  const double common = std::clamp((low + high) / 2, -of_print, of_print);
+  // What two lack and two do not is of a stretched print, not of all edges.
+  const double of_most = std::clamp(low > 0 ? low : std::min(high, 0.0), -of_print, of_print);
   for (std::size_t side = 0; side < 4; ++side) {
     if (!excesses[side]) continue;
     const double alone = excesses[side]->px - common * thickness[side];
-    if (is_known) excesses[side]->common_px = common * thickness[side];
+    if (is_known) excesses[side]->common_px = of_most * thickness[side];
     if (std::abs(alone) < std::abs(excesses[side]->px)) excesses[side]->px = alone;
   }
   return excesses;

@@ -196,3 +196,16 @@ TEST_CASE("what all strokes lack of a known template makes all sides unsure alik
   const double half = 0.01 * kStroke;
   CHECK(added == doctest::Approx(8 * half * half).epsilon(0.6));
 }
+
+TEST_CASE("what two strokes lack of a stretched print is nothing that all have in common") {
+  DrawnSymbol drawn(kDrawnDigits, 3);
+  drawn.layout.frame.stroke = kStroke / 3.0;
+  drawn.layout.frame.stroke_tolerance = 0.03;
+  const int w = drawn.width(), h = drawn.height();
+  drawn.fill(-kStroke, -kStroke, 1 - kStroke, h + kStroke, DrawnSymbol::kWhite);
+  drawn.fill(w + kStroke - 1, -kStroke, w + kStroke, h + kStroke, DrawnSymbol::kWhite);
+  for (const auto& excess : stroke_excesses(drawn.image.view(), symbol_of(drawn))) {
+    REQUIRE(excess);
+    CHECK(std::abs(excess->common_px) < 0.1);
+  }
+}
