@@ -160,10 +160,9 @@ std::string objection(const PrinterScale& scale, double error_px, double dots_pe
   constexpr double kFlat = 0.0004;  // metres
   if (!is_usual(scale)) {
     return fmt::format(
-        "the sheet is {} of its width and {} of its height at {} dpi, expected {} to {}: is that "
-        "the scan's resolution, and was the sheet printed at 100 %?",
-        percent(scale.right), percent(scale.down), format_number(dots_per_inch),
-        percent(1 - kMostPrinterScale), percent(1 + kMostPrinterScale));
+        "the sheet is {} of its width and {} of its height at {} dpi, expected shares of {}: print "
+        "at 100 %, without \"fit to page\"; if it was, is that the scan's resolution?",
+        percent(scale.right), percent(scale.down), format_number(dots_per_inch), usual_scales());
   }
   const double error = error_px * kMetresPerInch / dots_per_inch;
   if (error <= kFlat) return {};

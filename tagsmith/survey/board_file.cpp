@@ -12,6 +12,7 @@
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
+#include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {
 
@@ -22,13 +23,6 @@ namespace {
 
 constexpr double kLongestSide = 9.999;  // metres: four digits of millimetres
 constexpr int kMostTagsASide = 600;     // modules of 0.264 mm make 550 rows of 9.999 m
-
-// Prints are accurate to some parts in a thousand; "fit to page" shrinks them by 3 to 6 percent.
-constexpr double kMostOffScale = 0.02;
-
-// Paper is moved and drawn by different parts of a printer, which differ by a few parts in a
-// thousand; a misreading of one of the two distances differs by more.
-constexpr double kMostUnequal = 0.01;
 
 // A pair of lengths of the sheet, metres.
 std::optional<std::vector<double>> read_lengths(const MapReader& map, std::string_view key,
@@ -125,7 +119,9 @@ void check_scale(const Board& board, const MapReader& measured) {
   const std::string found = "the print is " + percent(right) +
                             " of its drawn size to the right and " + percent(down) + " down";
   const double rounding = 1e-9;
-  const auto fits = [&](double scale) { return std::abs(scale - 1) <= kMostOffScale + rounding; };
+  const auto fits = [&](double scale) {
+    return std::abs(scale - 1) <= kMostPrinterScale + rounding;
+  };
   if (!fits(right) || !fits(down)) {
     const char* remedy = fits(right * down) ? "are a_b_mm and a_c_mm exchanged?"
                          : fits(right / down) && right < 0.2
@@ -134,7 +130,7 @@ void check_scale(const Board& board, const MapReader& measured) {
                                "print again at 100 %, "
                                "without \"fit to page\"";
     measured.log().error(measured.place(), "board-scale", found + ", more than 2 % off", remedy);
-  } else if (std::abs(right - down) > kMostUnequal) {
+  } else if (std::abs(right - down) > kMostUnequalScale) {
     measured.log().error(measured.place(), "board-scale",
                          found + ", expected both within 1 % of each other",
                          "measure both distances again; if they are right, another printer or "

@@ -14,10 +14,15 @@ PrinterProfile read_profile(const YamlNode& root, FindingLog& log) {
   const MapReader file(&root, "", {"printer", "scale", "bar_growth_mm", "dot_gain_percent"}, log);
   PrinterProfile profile;
   profile.name = read_name(file.need("printer", "printer: NAME"), "printer", log).value_or("");
-  const auto scale =
-      read_numbers(file.need("scale", "scale: [1.001, 0.999], printed over drawn"), "scale", 2,
-                   between(1 - kMostPrinterScale, 1 + kMostPrinterScale, ""), log);
+  const YamlNode* const scales = file.need("scale", "scale: [1.001, 0.999], printed over drawn");
+  const auto scale = read_numbers(scales, "scale", 2, between(0, 2, ""), log);
   if (scale) profile.scale = {(*scale)[0], (*scale)[1]};
+  if (scale && !is_usual(profile.scale)) {
+    log.error(scales->place, "out-of-range",
+              fmt::format("scale is {:g} and {:g}, expected {}", profile.scale.right,
+                          profile.scale.down, usual_scales()),
+              "print the test sheet again at 100 %, without \"fit to page\", and measure it");
+  }
   const auto growth = read_numbers(file.need("bar_growth_mm", "bar_growth_mm: [0.08, 0.06]"),
                                    "bar_growth_mm", 2, between(-2, 2, "mm"), log);
   if (growth) {

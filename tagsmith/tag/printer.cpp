@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
@@ -49,7 +51,15 @@ bool is_usual(const PrinterScale& scale) {
   const auto usual = [](double value) {
     return std::abs(value - 1) <= kMostPrinterScale + kRounding;
   };
-  return usual(scale.right) && usual(scale.down);
+  const double unequal = std::abs(scale.right - scale.down);
+  const bool is_fitted = std::max(scale.right, scale.down) < 0.99 && unequal <= 0.002;
+  return usual(scale.right) && usual(scale.down) && unequal <= kMostUnequalScale + kRounding &&
+         !is_fitted;
+}
+
+std::string usual_scales() {
+  return fmt::format("{:g} to {:g}, alike to {:g}, and not both less than 0.99 and alike to 0.002",
+                     1 - kMostPrinterScale, 1 + kMostPrinterScale, kMostUnequalScale);
 }
 
 PrinterScale reach_of(const PrinterScale& scale) {

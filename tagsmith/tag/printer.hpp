@@ -22,11 +22,19 @@ struct PrinterScale {
 // For a page that leaves the printer turned by a quarter.
 inline PrinterScale turned(const PrinterScale& scale) { return {scale.down, scale.right}; }
 
-// Scales beyond this, either way, come from a page fitted to its paper, not from a printer's error.
-inline constexpr double kMostPrinterScale = 0.03;
+// Prints are accurate to some parts in a thousand; "fit to page" shrinks them by 3 to 6 percent.
+inline constexpr double kMostPrinterScale = 0.02;
 
-// Whether both are within it.
+// Paper is moved and drawn by different parts of a printer, which differ by a few parts in a
+// thousand; a misreading of one of two distances differs by more.
+inline constexpr double kMostUnequalScale = 0.01;
+
+// Whether both are within these, and are not those of a page fitted to a paper that is hardly
+// smaller: which shrinks by more than 1 percent, both directions alike to 0.2 percent.
 bool is_usual(const PrinterScale& scale);
+
+// For messages: what is_usual expects.
+std::string usual_scales();
 
 // How much of a page's width and height a drawing of its true size covers: all, and where the
 // printer shrinks pages as much as it leaves.

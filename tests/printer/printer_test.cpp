@@ -236,10 +236,14 @@ TEST_CASE("what is no scan of the sheet, and no profile, is refused and nothing 
   refused("printer -o " + path("x.pdf") + " --paper 150x200");
   REQUIRE(run_tagsmith("printer -o " + path("sheet.pdf") + " --paper Letter").exit_code == 0);
   Printer fitted;  // printed to fit the page
-  fitted.scale_right = fitted.scale_down = 0.95;
-  REQUIRE(save_gray_image(path("fit.png"), print_and_scan(path("sheet.pdf"), fitted).view()));
-  CHECK(std::regex_search(refused("printer " + path("fit.png") + " --dpi 400 -o " + path("x.yaml")),
-                          std::regex("the sheet is 9(4\\.9|5)")));
+  for (const double scale : {0.95, 0.972, 0.987}) {
+    fitted.scale_right = fitted.scale_down = scale;
+    REQUIRE(save_gray_image(path("fit.png"), print_and_scan(path("sheet.pdf"), fitted).view()));
+    const std::string error =
+        refused("printer " + path("fit.png") + " --dpi 400 -o " + path("x.yaml"));
+    CHECK(std::regex_search(error, std::regex("the sheet is 9(4\\.9|5|7\\.|8\\.[67])")));
+    CHECK(error.find("print at 100 %, without \"fit to page\"") != std::string::npos);
+  }
 
   struct Row {
     const char* text;
@@ -247,6 +251,9 @@ TEST_CASE("what is no scan of the sheet, and no profile, is refused and nothing 
   };
   for (const Row& row :
        {Row{"", ":1:1"}, Row{"printer: a\nscale: [1.2, 1]\nbar_growth_mm: [0, 0]\n", ":2:"},
+        Row{"printer: a\nscale: [0.972, 0.972]\nbar_growth_mm: [0, 0]\n", ":2:"},
+        Row{"printer: a\nscale: [0.987, 0.988]\nbar_growth_mm: [0, 0]\n", ":2:"},
+        Row{"printer: a\nscale: [1.006, 0.994]\nbar_growth_mm: [0, 0]\n", ":2:"},
         Row{"printer: a\nscale: [1, 1]\nbar_growth_mm: [0.1]\n", ":3:"},
         Row{"printer: a\nscale: [.nan, 1]\nbar_growth_mm: [0, 0]\n", ":2:"},
         Row{"printer: a\nscale: [1, 1]\nbar_growth_mm: [0, 0]\ngain: 3\n", ":4:"},
