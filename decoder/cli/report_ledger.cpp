@@ -56,6 +56,13 @@ std::vector<std::string> doubts_in_words(const LedgerReport& report) {
         "judged by that; verify them again",
         report.photos.other_revisions));
   }
+  if (report.photos.mixed_revisions > 0) {
+    sentences.push_back(
+        fmt::format("{} of these taken after photos of the present state: is there another survey "
+                    "of this name? "
+                    "Plates are confused unless each survey has its own name, or its own ledger",
+                    report.photos.mixed_revisions));
+  }
   if (report.nameless > 0) {
     sentences.push_back(fmt::format(
         "{} of plates that were not read when plates had other names: verify these photos again",
@@ -339,6 +346,7 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
               {"future", report.photos.future},
               {"clock_reset", report.photos.clock_reset},
               {"other_revisions", report.photos.other_revisions},
+              {"mixed_revisions", report.photos.mixed_revisions},
               {"nameless", report.nameless},
               {"oldest", to_json(report.oldest)},
               {"newest", to_json(report.newest)},

@@ -420,15 +420,17 @@ Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const Ver
 Result<LedgerCounts> Ledger::count_photos(const std::string& survey, const std::string& last,
                                           const std::string& revision) const {
   Statement row(database_.get(),
-                "SELECT count(*), count(*) - count(taken), total(substr(taken, 1, 10) > ?), "
-                "total(taken < ?), total(revision <> ?) FROM photo WHERE survey = ?");
+                "SELECT count(*), count(*) - count(taken), total(substr(taken, 1, 10) > ?1), "
+                "total(taken < ?2), total(revision <> ?3), total(revision <> ?3 AND taken > "
+                "(SELECT min(taken) FROM photo WHERE survey = ?4 AND revision = ?3 AND "
+                "taken >= ?2)) FROM photo WHERE survey = ?4");
   row.put(last, false).put(std::string(kFirstPhotos), false).put(revision, false);
   row.put(survey, false);
   if (!row.step()) return failure(path_, database_.get(), row.failed());
   return LedgerCounts{
       static_cast<std::size_t>(row.whole(0)), static_cast<std::size_t>(row.whole(1)),
       static_cast<std::size_t>(row.whole(2)), static_cast<std::size_t>(row.whole(3)),
-      static_cast<std::size_t>(row.whole(4))};
+      static_cast<std::size_t>(row.whole(4)), static_cast<std::size_t>(row.whole(5))};
 }
 
 Result<void> Ledger::for_each_sighting(

@@ -48,6 +48,7 @@ struct LedgerCounts {
   std::size_t future = 0;           // dated after the day that was asked for
   std::size_t clock_reset = 0;      // dated before kFirstPhotos
   std::size_t other_revisions = 0;  // verified against another state of the survey
+  std::size_t mixed_revisions = 0;  // of these, taken after a photo of the present state
 };
 
 // No photo of our plates is older (ISO 8601): a camera that says so had its clock reset.

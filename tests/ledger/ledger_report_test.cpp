@@ -8,6 +8,7 @@
 #include "decoder/ledger/plate_history.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
 #include "tests/ledger/ledger_file.hpp"
 #include "tests/support/contents.hpp"
 #include "tests/support/program.hpp"
@@ -280,6 +281,21 @@ TEST_CASE("plates with the digits that a tag had before it was moved are others"
       plates_to(PlateAction::unseen, survey, make_ledger_report(survey, ledger, kLast).value());
   CHECK(unseen.size() == 10);
   CHECK(unseen.front() == photo.tags[0].tag);
+}
+
+TEST_CASE("two surveys of one name are told by photos that alternate") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  const auto mixed_after = [&](int day, const std::string& revision) {
+    VerifiedFile photo = photo_of_wall(survey, day, {});
+    photo.revision = revision;
+    REQUIRE(ledger.enter(survey.name, std::array{photo}));
+    return make_ledger_report(survey, ledger, kLast).value().photos.mixed_revisions;
+  };
+  CHECK(mixed_after(1, "another") == 0);
+  CHECK(mixed_after(2, survey_revision(survey)) == 0);  // the survey was edited
+  CHECK(mixed_after(3, "another") == 1);
 }
 
 TEST_CASE("a plate is known by its digits, whatever the survey called it") {
