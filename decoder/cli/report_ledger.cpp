@@ -259,7 +259,8 @@ constexpr const char* kLegend =
     "<li>Clean: light is lost, and the edges of the bars are where they belong. Print anew: the "
     "edges moved, or elements are torn; cleaning does not bring them back.</li>\n"
     "<li>Look: photos show the plates on both sides, and not this one, on two days or "
-    "more; or it failed on the last day alone.</li>\n</ul></details>\n";
+    "more; or it failed on the last day alone; or dates, distances or the camera may be what "
+    "changed.</li>\n</ul></details>\n";
 
 std::string ledger_page(const Survey& survey, const LedgerReport& report) {
   return page_head("Ledger of " + markup_text(survey.name),
