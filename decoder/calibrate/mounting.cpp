@@ -105,13 +105,9 @@ Eigen::Matrix<double, 6, 6> covariance_of_axes(const DriveFit& fitted, std::size
 // The camera's pose in the vehicle's own axes: in those of the fit the vehicles may, as a mean,
 // stand askew, as far as the assumed height and stance allow.
 Pose in_own_axes(const DriveFit& fitted, std::size_t camera) {
-  const Matrix3d axes = vehicle_frame(VehiclePose{}).turn_axes;
-  const Vector3d turn = axes * fitted.mean_attitude;
+  const Vector3d turn = vehicle_frame(VehiclePose{}).turn_axes * fitted.mean_attitude;
   Pose pose = fitted.rig.cameras[camera].vehicle_from_camera;
-  for (Index i = 0; i < 3; ++i) {
-    const bool is_held = fitted.layout.places[camera][static_cast<std::size_t>(i)] < 0;
-    if (!is_held) pose.translation[i] += shift_by_turn(fitted, camera, i, turn);
-  }
+  pose.translation += by_turn_of_axes(fitted, camera).topRows<3>() * fitted.mean_attitude;
   pose.rotation = rotation_of(turn) * pose.rotation;
   return pose;
 }

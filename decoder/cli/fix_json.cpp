@@ -165,10 +165,10 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
                                  {"rows", findings.rolling->rows},
                                  {"located", findings.rolling->located}};
   }
-  if (findings.turned) {
-    values["turned_headings"] = {{"text", to_string(*findings.turned)},
-                                 {"degrees", degrees(findings.turned->angle)},
-                                 {"steps", findings.turned->steps}};
+  if (findings.travel.turned) {
+    values["turned_headings"] = {{"text", to_string(*findings.travel.turned)},
+                                 {"degrees", degrees(findings.travel.turned->angle)},
+                                 {"steps", findings.travel.turned->steps}};
   }
   if (findings.course) {
     values["course_offset"] = {{"text", to_string(*findings.course)},
@@ -176,17 +176,17 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
                                {"sigma_deg", degrees(findings.course->sigma)},
                                {"steps", findings.course->steps}};
   }
-  if (findings.height) {
-    values["wrong_height"] = {{"text", to_string(*findings.height)},
-                              {"height", findings.height->height},
-                              {"stated", findings.height->stated}};
+  if (findings.travel.height) {
+    values["wrong_height"] = {{"text", to_string(*findings.travel.height)},
+                              {"height", findings.travel.height->height},
+                              {"stated", findings.travel.height->stated}};
   }
-  if (findings.range) {
-    values["wrong_range"] = {{"text", to_string(*findings.range)},
-                             {"range", findings.range->name},
-                             {"metres", findings.range->metres},
-                             {"sigmas", findings.range->sigmas},
-                             {"tags_may_be_wrong", findings.range->tags_may_be_wrong}};
+  if (findings.travel.range) {
+    values["wrong_range"] = {{"text", to_string(*findings.travel.range)},
+                             {"range", findings.travel.range->name},
+                             {"metres", findings.travel.range->metres},
+                             {"sigmas", findings.travel.range->sigmas},
+                             {"tags_may_be_wrong", findings.travel.range->tags_may_be_wrong}};
   }
   if (!findings.altered.empty()) values["altered_photos"] = findings.altered;
   if (!findings.another_drive.empty()) values["another_drive"] = findings.another_drive;

@@ -26,10 +26,8 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 // What all rows of a run together show.
 struct RunFindings {
   RunCheck checked;
-  std::optional<TurnedHeadings> turned{};
+  TravelDoubts travel{};
   std::optional<CourseOffset> course{};
-  std::optional<WrongHeight> height{};
-  std::optional<WrongRange> range{};
   std::optional<RollingShutter> rolling{};
   std::string altered{};        // which photos are exchanged, mirrored or turned; empty = none
   std::string another_drive{};  // why the photos show none of the surveys' tags; empty = they do

@@ -372,27 +372,22 @@ Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
 
 // Why no position of the run should be used; empty = nothing says so.
 std::string doubt_of(const RunFindings& findings, const Rig& rig) {
-  if (const auto& suspicion = findings.checked.suspicion) {
-    return "the rig is in doubt: " + describe(*suspicion, rig);
-  }
-  if (findings.height) return to_string(*findings.height);
-  if (findings.turned) return to_string(*findings.turned);
-  if (findings.range && findings.range->tags_may_be_wrong) return to_string(*findings.range);
-  return {};
+  const auto& suspicion = findings.checked.suspicion;
+  return suspicion ? doubt_in_words(*suspicion, rig) : findings.travel.why();
 }
 
 void print_doubts(const RunFindings& findings, const Rig& rig) {
   constexpr const char* kDoubt = "do not rely on these positions";
   if (const auto& suspicion = findings.checked.suspicion) {
-    to_stdout("the rig is in doubt: {}\n", describe(*suspicion, rig));
+    to_stdout("{}\n", doubt_in_words(*suspicion, rig));
   }
   if (findings.rolling) to_stdout("note: {}\n", to_string(*findings.rolling));
   if (findings.course) to_stdout("note: {}\n", to_string(*findings.course));
-  if (findings.turned) to_stdout("{}: {}\n", kDoubt, to_string(*findings.turned));
-  if (findings.height) to_stdout("{}: {}\n", kDoubt, to_string(*findings.height));
-  if (findings.range) {
-    to_stdout("{}: {}\n", findings.range->tags_may_be_wrong ? kDoubt : "note",
-              to_string(*findings.range));
+  if (findings.travel.turned) to_stdout("{}: {}\n", kDoubt, to_string(*findings.travel.turned));
+  if (findings.travel.height) to_stdout("{}: {}\n", kDoubt, to_string(*findings.travel.height));
+  if (findings.travel.range) {
+    to_stdout("{}: {}\n", findings.travel.range->tags_may_be_wrong ? kDoubt : "note",
+              to_string(*findings.travel.range));
   }
 }
 
@@ -479,10 +474,8 @@ int run_localize(LocalizeOptions options) {
   if (options.method != "paper" && !findings.checked.suspicion) {
     findings.rolling = rolling_shutter(located.front(), rows, input->surveys, input->rig);
   }
-  findings.turned = turned_headings(located.front());
+  findings.travel = travel_doubts(located.front(), input->surveys, input->rig);
   findings.course = course_offset(located.front());
-  findings.height = wrong_height(located.front(), input->surveys, input->rig);
-  findings.range = wrong_range(located.front(), input->rig);
   report_set_aside(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);

@@ -164,6 +164,17 @@ std::optional<WrongRange> wrong_range(std::span<const Fix> fixes, const Rig& rig
   return std::nullopt;
 }
 
+std::string TravelDoubts::why() const {
+  if (height) return to_string(*height);
+  if (turned) return to_string(*turned);
+  return range && range->tags_may_be_wrong ? to_string(*range) : std::string();
+}
+
+TravelDoubts travel_doubts(std::span<const Fix> fixes, const std::vector<Survey>& surveys,
+                           const Rig& rig) {
+  return {turned_headings(fixes), wrong_height(fixes, surveys, rig), wrong_range(fixes, rig)};
+}
+
 Fix LiveDoubts::judged(Fix fix, const std::vector<Survey>& surveys, const Rig& rig) {
   constexpr std::size_t kMost = 200;
   if (!is_of_use(fix)) return fix;
@@ -176,16 +187,8 @@ Fix LiveDoubts::judged(Fix fix, const std::vector<Survey>& surveys, const Rig& r
   kept.unchecked = fix.unchecked;
   if (last_.size() == kMost) last_.erase(last_.begin());
   last_.push_back(std::move(kept));
-  if (const auto height = wrong_height(last_, surveys, rig)) {
-    return doubted(std::move(fix), to_string(*height));
-  }
-  if (const auto turned = turned_headings(last_)) {
-    return doubted(std::move(fix), to_string(*turned));
-  }
-  if (const auto range = wrong_range(last_, rig); range && range->tags_may_be_wrong) {
-    return doubted(std::move(fix), to_string(*range));
-  }
-  return fix;
+  std::string why = travel_doubts(last_, surveys, rig).why();
+  return why.empty() ? fix : doubted(std::move(fix), std::move(why));
 }
 
 namespace {

@@ -74,6 +74,20 @@ struct WrongRange {
 // focal length is: only the range shows it.
 std::optional<WrongRange> wrong_range(std::span<const Fix> fixes, const Rig& rig);
 
+// What the positions of a run together say against them.
+struct TravelDoubts {
+  std::optional<TurnedHeadings> turned{};
+  std::optional<WrongHeight> height{};
+  std::optional<WrongRange> range{};
+
+  // Why none of the positions should be used; empty = nothing says so. A range counts only where
+  // the tags may be wrong.
+  std::string why() const;
+};
+
+TravelDoubts travel_doubts(std::span<const Fix> fixes, const std::vector<Survey>& surveys,
+                           const Rig& rig);
+
 // Rows without a position that have one when the vehicle may move while the cameras' shutters pass
 // over their images.
 struct RollingShutter {
@@ -90,8 +104,8 @@ std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
 // The same while a vehicle drives.
 class LiveDoubts {
  public:
-  // The fix. While the last ones together show that they should not be used, this is added as a
-  // note, and nothing confirms the fix. A range counts only where the tags may be wrong.
+  // The fix. While the last ones together show that they should not be used (TravelDoubts::why),
+  // this is added as a note, and nothing confirms the fix.
   Fix judged(Fix fix, const std::vector<Survey>& surveys, const Rig& rig);
 
  private:

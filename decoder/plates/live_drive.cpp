@@ -23,7 +23,7 @@ Fix LiveDrive::next(const LocalizeOne& localize, std::optional<double> time) {
   if (time) fix = follow_track(track_, std::move(fix), *time);
   fix = doubts_.judged(std::move(fix), aside_.all(), *rig_);
   if (!check.suspicion || !fix.doubt.empty()) return fix;
-  return doubted(std::move(fix), "the rig is in doubt: " + describe(*check.suspicion, *rig_));
+  return doubted(std::move(fix), doubt_in_words(*check.suspicion, *rig_));
 }
 
 }  // namespace tagsmith::detail

@@ -285,7 +285,8 @@ void try_cameras(const Survey& survey, const Rig& rig, const Stated& as_stated,
 // where one camera's alone explains as many rows.
 void try_focal_lengths(const Survey& survey, const Rig& rig, const Stated& as_stated,
                        std::vector<Candidate>& result) {
-  std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
+  const std::vector<ParameterSigmas> stated = stated_sigmas(rig);
+  std::vector<ParameterSigmas> sigmas = stated;
   for (ParameterSigmas& camera : sigmas) camera[kFocal] = kFreeFocal;
   const auto with = explained(survey, *as_stated.drive, rig, sigmas, as_stated.excess);
   if (!with || !is_better(*with, as_stated)) return;
@@ -302,7 +303,7 @@ void try_focal_lengths(const Survey& survey, const Rig& rig, const Stated& as_st
     const double variance = with->fit.adjustment.calibration_covariance(place, place);
     suspect.expected += with->fit.rig.cameras[i].camera.fx / rig.cameras[i].camera.fx;
     suspect.sigma = std::max(suspect.sigma, std::sqrt(variance));
-    stated_sigma = std::max(stated_sigma, stated_sigmas(rig)[i][kFocal]);
+    stated_sigma = std::max(stated_sigma, stated[i][kFocal]);
     ++cameras;
   }
   suspect.expected /= cameras;
@@ -525,6 +526,10 @@ std::string describe(const RigSuspicion& suspicion, const Rig& rig) {
       "{} would explain {} of {} rows {}", fmt::join(words, ", or "),
       suspicion.suspects.front().rows_explained, suspicion.rows,
       by_rows ? fmt::format("({} as it is)", suspicion.rows_as_stated) : "far better than the rig");
+}
+
+std::string doubt_in_words(const RigSuspicion& suspicion, const Rig& rig) {
+  return "the rig is in doubt: " + describe(suspicion, rig);
 }
 
 }  // namespace tagsmith::detail

@@ -59,4 +59,7 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
 // A focal length that only one camera shows has the template as an alternative.
 std::string describe(const RigSuspicion& suspicion, const Rig& rig);
 
+// "the rig is in doubt: ..."
+std::string doubt_in_words(const RigSuspicion& suspicion, const Rig& rig);
+
 }  // namespace tagsmith::detail

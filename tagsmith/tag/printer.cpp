@@ -46,20 +46,25 @@ void keep_quiet_zones(TagDrawing& drawing, double gap, double dot) {
 
 }  // namespace
 
+// A page fitted to its paper is smaller than this share, and both directions are alike so far.
+constexpr double kFittedPage = 0.99;
+constexpr double kFittedAlike = 0.002;
+
 bool is_usual(const PrinterScale& scale) {
   constexpr double kRounding = 1e-9;
   const auto usual = [](double value) {
     return std::abs(value - 1) <= kMostPrinterScale + kRounding;
   };
   const double unequal = std::abs(scale.right - scale.down);
-  const bool is_fitted = std::max(scale.right, scale.down) < 0.99 && unequal <= 0.002;
+  const bool is_fitted = std::max(scale.right, scale.down) < kFittedPage && unequal <= kFittedAlike;
   return usual(scale.right) && usual(scale.down) && unequal <= kMostUnequalScale + kRounding &&
          !is_fitted;
 }
 
 std::string usual_scales() {
-  return fmt::format("{:g} to {:g}, alike to {:g}, and not both less than 0.99 and alike to 0.002",
-                     1 - kMostPrinterScale, 1 + kMostPrinterScale, kMostUnequalScale);
+  return fmt::format("{:g} to {:g}, alike to {:g}, and not both less than {:g} and alike to {:g}",
+                     1 - kMostPrinterScale, 1 + kMostPrinterScale, kMostUnequalScale, kFittedPage,
+                     kFittedAlike);
 }
 
 PrinterScale reach_of(const PrinterScale& scale) {

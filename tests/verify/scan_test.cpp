@@ -102,7 +102,7 @@ TEST_CASE("what is wrong with a scan of known resolution is named") {
       {"turned on the glass", turn_upright(page.view(), 3), "150", "", ""},
       {"fit to page", page, "159.6", "wrong-scale", "; 94.0 % of its size"},
       {"stretched", narrowed(page.view()), "150", "wrong-scale",
-       " % of its height: stretched, or of another template"},  // 93.75 % and 99.9 to 100.0 %
+       "93.7 % of its width and 99.9 % of its height: stretched, or of another template"},
       {"mirrored", turn_upright(page.view(), 2), "150", "mirrored", "000L is mirrored"},
       {"inverted", exchange_black_and_white(page.view()), "150", "inverted",
        "000L is white on black, expected black on white"},
