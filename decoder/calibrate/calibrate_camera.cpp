@@ -552,8 +552,8 @@ CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings) {
 }
 
 double CameraScatter::limit() const {
-  constexpr double kSure = 4;  // a normal value
-  return chi_square_limit(std::max(1, degrees), kSure);
+  constexpr double kNormal = 4;
+  return chi_square_limit(std::max(1, degrees), kNormal);
 }
 
 bool has_other_focal(const CalibratedSighting& sighting) {

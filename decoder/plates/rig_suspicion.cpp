@@ -321,11 +321,12 @@ Drive with_plates_of(double size, Drive drive) {
 // The logarithm of the plates' size with which a drive fits best: the minimum of chi-square by
 // golden sections around the best of a grid. Nothing where no fit converges.
 std::optional<double> best_log_size(const std::function<double(double)>& chi_square) {
-  constexpr double kFirst = 0.4, kStep = 0.05;  // of two thirds to one and a half
+  constexpr double kStep = 0.05;
+  constexpr int kSteps = 8;  // to each side: of two thirds to one and a half
   const double ratio = std::numbers::phi - 1;
   double best = 0;
-  for (double size = -kFirst; size < kFirst + kStep / 2; size += kStep) {
-    if (chi_square(size) < chi_square(best)) best = size;
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    if (chi_square(step * kStep) < chi_square(best)) best = step * kStep;
   }
   double low = best - kStep, high = best + kStep;
   while (high - low > 1e-5) {

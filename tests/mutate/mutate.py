@@ -157,7 +157,9 @@ def prepare() -> None:
     write_changed(archive.stdout)
     if (BUILD / "CMakeCache.txt").exists():
         return
-    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+    launcher = []
+    if shutil.which("ccache"):
+        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DTAGSMITH_PRECOMPILED_HEADERS=OFF"]
     subprocess.run(["cmake", "-G", "Ninja", "-S", str(SOURCE), "-B", str(BUILD),
                     "-DCMAKE_BUILD_TYPE=Release", "-DTAGSMITH_UNITY=OFF",
                     "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -finline-small-functions -DNDEBUG",
