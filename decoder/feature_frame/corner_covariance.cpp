@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/LU>
 
@@ -32,16 +33,20 @@ CornerCovariance corners_by_places(const Quad& corners) {
   return by_places;
 }
 
-// The error of a side's places beyond what noise explains.
+// The error of a side's places beyond what noise explains. Pixel locking is a wave along the side
+// with one period for each pixel that it crosses: the mean of the wave moves the side, and the line
+// that fits it best turns the side.
 Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double displaced) {
   const PixelPoint d = frame.corners[(i + 1) % 4] - frame.corners[i];
-  const double crossed = std::min(std::abs(d.x), std::abs(d.y));
-  const double share = std::max(0.0, 1 - crossed);
-  const double along_grid = std::hypot(kCorner.along_grid, 2 * displaced) * share;
+  const double phase = std::numbers::pi * std::min(std::abs(d.x), std::abs(d.y));
+  const double locking = pixel_locking(frame);
+  const double moved = std::hypot(locking, 2 * displaced) * std::abs(std::sph_bessel(0, phase));
+  const double turned = 3 * locking * std::sph_bessel(1, phase);
   const double blurred =
       kCorner.blurred * std::pow(frame.sides[i].blur_px / frame.sides[i].stroke_px, 2);
-  const double whole = std::hypot(kCorner.side + along_grid, blurred);
+  const double whole = std::hypot(kCorner.side + moved, blurred);
   return Eigen::Matrix2d::Constant(whole * whole) +
+         Eigen::Matrix2d{{1, -1}, {-1, 1}} * turned * turned +
          Eigen::Matrix2d::Identity() * kCorner.side * kCorner.side;
 }
 
@@ -61,6 +66,16 @@ CornerCovariance of_displaced_edges(const RefinedFrame& frame, double displaced,
 }
 
 }  // namespace
+
+double pixel_locking(const RefinedFrame& frame) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!frame.shown[i]) continue;
+    sum += frame.sides[i].pixel_locking_px * frame.sides[i].pixel_locking_px;
+    ++count;
+  }
+  return std::sqrt(sum / std::max(1.0, count));
+}
 
 CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced, double alike) {
   CornerCovariance of_places = of_displaced_edges(frame, displaced, alike);

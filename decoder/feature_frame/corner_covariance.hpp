@@ -11,6 +11,10 @@ struct RefinedFrame;
 // Of u, v of the four corners in their order, pixels^2.
 using CornerCovariance = Eigen::Matrix<double, 8, 8>;
 
+// By how much edges are missed because of where in a pixel they lie, root mean square of the
+// frame's sides, pixels: it is the optics' and the processing's, so it is one for the picture.
+double pixel_locking(const RefinedFrame& frame);
+
 // Each corner is where two fitted sides meet, so neighbouring corners share a side's errors.
 // Positive definite: the errors of the lens, the print and the tone curve that no fit shows are
 // added. `displaced`: by how many pixels, one standard deviation, edges may lie elsewhere than the

@@ -616,6 +616,35 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
   return variance * (ends.transpose() * matrix.ldlt().solve(ends));
 }
 
+// How much farther from the model samples near the edge are than those of even white and black: the
+// difference of the mean weighted squares of the residuals, grey levels^2.
+double excess_near_edge(const Solved& solved) {
+  const auto& [side, samples, solution] = solved;
+  const StepModel model(solution.parameters, side, samples.tone);
+  const float per_scale = 1 / static_cast<float>(solution.scale);
+  const auto mean = [](float sum, float count) { return sum / std::max(1.0F, count); };
+  float near = 0, near_count = 0, far = 0, far_count = 0;
+  for (const FourSamples& four : samples.fours) {
+    const Four squares = weighed(model, four, per_scale).residual.array().square();
+    const Four from_edge = (four.across - model.place - model.turn * four.along).abs();
+    const Four is_sample = (four.weight > 0).cast<float>();
+    const Four is_near = is_sample * (from_edge < kEdgeFit.fine).cast<float>();
+    near += (is_near * squares).sum();
+    near_count += is_near.sum();
+    far += ((is_sample - is_near) * squares).sum();
+    far_count += (is_sample - is_near).sum();
+  }
+  return std::max(0.0, static_cast<double>(mean(near, near_count) - mean(far, far_count)));
+}
+
+// FrameSide::pixel_locking_px. Residuals by noise of that size would turn a side so much less often
+// because they change along it.
+double pixel_locking(const Solved& solved, const Eigen::Matrix2d& covariance) {
+  const double turn_variance = (covariance(0, 0) + covariance(1, 1) - 2 * covariance(0, 1)) / 4;
+  const double by_noise = noise_variance(solved.solution.normal);
+  return kCorner.pixel_locking * std::sqrt(excess_near_edge(solved) / by_noise * turn_variance);
+}
+
 // The line of a large frame, which was found in a much reduced picture, may be farther from the
 // edge than samples are taken: then it is moved by what the light shows.
 SideLine brought_near(const GrayView& image, const SideLine& side) {
@@ -658,6 +687,7 @@ FrameSide FittedSide::side() const {
   const Parameters& p = solved_->solution.parameters;
   FrameSide side;
   side.covariance = covariance_of(solved_->solution.normal);
+  side.pixel_locking_px = pixel_locking(*solved_, side.covariance);
   side.blur_px = blur_px();
   side.stroke_px = std::exp(p[kLogStroke]);
   const SideSamples& samples = solved_->samples;
@@ -694,8 +724,8 @@ SeenSagitta FittedSide::bow() const {
   const double noise = noise_variance(normal);
   const double blur = std::exp(solution.parameters[kLogBlur]);
   const double stroke = std::exp(solution.parameters[kLogStroke]);
-  const double unexplained =
-      std::hypot(kCorner.along_grid, kCorner.blurred * std::pow(blur / stroke, 2));
+  const double unexplained =  // the first by pixel locking
+      std::hypot(0.015, kCorner.blurred * std::pow(blur / stroke, 2));
   return {(products[kParameters] - eliminated.dot(right)) / information,
           kCorner.alike * noise / information + unexplained * unexplained};
 }

@@ -41,6 +41,10 @@ struct FrameSide {
   double stroke_px = 0;  // thickness of the stroke
   // Of the inner edge's place across the side at its begin and its end, from the fit, pixels^2.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  // By how much the fit misses an edge because of where in a pixel that lies, root mean square,
+  // pixels: as the residuals beside the edge exceed those of the noise. None of this is in the
+  // covariance.
+  double pixel_locking_px = 0;
 };
 
 // Least squares by Gauss-Newton steps with Cauchy weights: the light across the side is white, then

@@ -69,8 +69,9 @@ struct CornerTuning {
   double alike = 1.8;   // factor of variances: compression makes neighbouring pixels' noise alike
   double side = 0.006;  // pixels, a side as a whole, and either of its ends by itself
   // A pixel's response is no Gaussian, so an edge is found a little off, depending on where in the
-  // pixel it lies. A side that crosses pixels averages that; one along the pixel grid does not.
-  double along_grid = 0.015;  // pixels
+  // pixel it lies. That is so much greater than noise of the same residuals, because it is alike
+  // all along a side: seen on ladder and phone photos, on sides that cross 0.15 to 2 pixels.
+  double pixel_locking = 4;
   // Where the blur reaches from one edge of the stroke to the other, the model's errors do too.
   double blurred = 0.5;  // pixels, times (blur / stroke)^2
   // Pixels that edges of shadows beside the sides of a plate and across them may move these by

@@ -2,6 +2,7 @@
 #include "decoder/image/transform.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/wide.hpp"
 
 namespace tagsmith::detail {
@@ -112,18 +114,39 @@ GrayImage shrunk_to(const GrayView& image, int most) {
   return small;
 }
 
-// ---- Negatives.
+// ---- Negatives and tone.
 
-GrayImage exchange_black_and_white(const GrayView& image) {
+namespace {
+
+// The image with a function of each of its samples.
+template <class Function>
+GrayImage mapped(const GrayView& image, bool is_negative, const Function& function) {
   const auto width = static_cast<std::size_t>(image.width);
-  GrayImage result{image.width, image.height, {}, !image.is_negative};
+  GrayImage result{image.width, image.height, {}, is_negative};
   result.samples.resize(width * static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y) {
     std::transform(image.row(y), image.row(y) + width,
-                   result.samples.data() + width * static_cast<std::size_t>(y),
-                   [](std::uint8_t sample) { return static_cast<std::uint8_t>(255 - sample); });
+                   result.samples.data() + width * static_cast<std::size_t>(y), function);
   }
   return result;
+}
+
+}  // namespace
+
+GrayImage exchange_black_and_white(const GrayView& image) {
+  return mapped(image, !image.is_negative,
+                [](std::uint8_t sample) { return static_cast<std::uint8_t>(255 - sample); });
+}
+
+GrayImage linear_as_srgb(const GrayView& image) {
+  std::array<std::uint8_t, 256> samples{};
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double of_light =
+        image.is_negative ? 255.0 - static_cast<double>(i) : static_cast<double>(i);
+    const long sample = std::lround(ToneCurve::srgb().sample_of(of_light / 255));
+    samples[i] = static_cast<std::uint8_t>(image.is_negative ? 255 - sample : sample);
+  }
+  return mapped(image, image.is_negative, [&](std::uint8_t sample) { return samples[sample]; });
 }
 
 }  // namespace tagsmith::detail

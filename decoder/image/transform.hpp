@@ -46,4 +46,10 @@ GrayImage shrunk_to(const GrayView& image, int most);
 // Black for white, sample by sample; the negative of a negative is the picture.
 GrayImage exchange_black_and_white(const GrayView& image);
 
+// ---- Tone.
+
+// A picture whose samples are in proportion to light, as those of many cameras for machines are:
+// with the samples that sRGB has for that light.
+GrayImage linear_as_srgb(const GrayView& image);
+
 }  // namespace tagsmith::detail

@@ -224,7 +224,7 @@ std::array<double, 2> beside_a_line(const SeenBands& bands, const SymbolHypothes
   const Quad& corners = symbol.frame.corners;
   const double crossed =
       std::min(std::abs(corners[3].x - corners[0].x), std::abs(corners[3].y - corners[0].y));
-  const double along_grid = kCorner.side + kCorner.along_grid / std::max(1.0, crossed / 6);
+  const double along_grid = kCorner.side + pixel_locking(symbol.frame) / std::max(1.0, crossed / 6);
   Eigen::Matrix<double, 1, 4> shift, variance;
   for (int i = 0; i < 4; ++i) {
     const SeenPlaces& bars = bands[static_cast<std::size_t>(i)];

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/reader/reader.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/transform.hpp"
 #include "decoder/reader/detector.hpp"
 #include "decoder/reader/frameless.hpp"
@@ -23,12 +28,16 @@ constexpr std::array kCloserLook{propose_around_bars, propose_pieces, propose_re
 }  // namespace
 
 struct TagSearch::State {
-  State(const GrayView& image, const ReadOptions& how)
+  State(const GrayView& taken, const ReadOptions& how, bool is_linear = false)
       : options(how),
-        negative(how.white_on_black && !image.is_negative
-                     ? std::optional(exchange_black_and_white(image))
+        image(taken),
+        by_light(is_linear ? std::optional(linear_as_srgb(taken)) : std::nullopt),
+        negative(how.white_on_black && !taken.is_negative
+                     ? std::optional(exchange_black_and_white(by_light ? by_light->view() : taken))
                      : std::nullopt),
-        picture(negative ? negative->view() : image),
+        picture(negative   ? negative->view()
+                : by_light ? by_light->view()
+                           : taken),
         detector(picture, options) {}
 
   void look(std::span<const Proposer> proposers) {
@@ -37,7 +46,16 @@ struct TagSearch::State {
     detector.read_parts();
   }
 
+  void look_closer() {
+    look(kCloserLook);
+    detector.try_likely_codes();
+    detector.read_covered_parts();
+    tags = detector.found().tags();
+  }
+
   ReadOptions options;
+  GrayView image;
+  std::optional<GrayImage> by_light;  // where its samples are taken to be in proportion to light
   std::optional<GrayImage> negative;  // of plates that are white on black: read in its place
   SearchedImage picture;
   Detector detector;
@@ -46,6 +64,49 @@ struct TagSearch::State {
   std::vector<Reading> tags;  // after each of the two steps
   bool is_done = false;
 };
+
+namespace {
+
+// Whether a picture may be of a camera without a tone curve: through the wrong one blurred bars are
+// broader than they were drawn by a fifth of a pixel or more, or nothing is read.
+bool may_be_linear(const std::vector<Reading>& tags) {
+  return std::ranges::all_of(
+      tags, [](const Reading& tag) { return tag.symbol && growth_of(*tag.symbol).px > 0.2; });
+}
+
+// A sixteenth of full light or less in the brightest place is not enough: noise of whole grey
+// levels would be taken for light.
+bool is_lit(const GrayView& image) {
+  for (int y = 0; y < image.height; ++y) {
+    const std::span row(image.row(y), static_cast<std::size_t>(image.width));
+    if (std::ranges::any_of(row, [](std::uint8_t sample) { return sample > 16; })) return true;
+  }
+  return false;
+}
+
+// Whether bars are as broad as they were drawn, to a fifth of a pixel, as through the right curve.
+bool is_right_tone(const std::vector<Reading>& tags) {
+  return std::ranges::all_of(tags, [](const Reading& tag) {
+    return tag.symbol && std::abs(growth_of(*tag.symbol).px) < 0.2;
+  });
+}
+
+double explained(const std::vector<Reading>& tags) {
+  double sum = 0;
+  for (const Reading& tag : tags) sum += tag.symbol ? tag.symbol->decoding.fit.explained : 0;
+  return sum;
+}
+
+// Whether every one of these tags is, at the same place, among the others.
+bool are_among(const std::vector<Reading>& tags, const std::vector<Reading>& others) {
+  return std::ranges::all_of(tags, [&](const Reading& tag) {
+    return std::ranges::any_of(others, [&](const Reading& other) {
+      return other.digits == tag.digits && contains(other.corners, centre_of(tag.corners));
+    });
+  });
+}
+
+}  // namespace
 
 TagSearch::TagSearch(const GrayView& image, const ReadOptions& options)
     : state_(std::make_unique<State>(image, options)) {
@@ -60,10 +121,16 @@ TagSearch::~TagSearch() = default;
 void TagSearch::look_closer() {
   if (!state_->search.is_searched || state_->is_done) return;
   state_->is_done = true;
-  state_->look(kCloserLook);
-  state_->detector.try_likely_codes();
-  state_->detector.read_covered_parts();
-  state_->tags = state_->detector.found().tags();
+  state_->look_closer();
+  if (!may_be_linear(state_->tags) || !is_lit(state_->image)) return;
+  auto linear = std::make_unique<State>(state_->image, state_->options, true);
+  linear->is_done = true;
+  linear->look(kFirstLook);
+  linear->look_closer();
+  if (explained(linear->tags) > explained(state_->tags) && is_right_tone(linear->tags) &&
+      are_among(state_->tags, linear->tags)) {
+    state_ = std::move(linear);
+  }
 }
 
 const std::vector<Reading>& TagSearch::tags() const { return state_->tags; }

@@ -84,6 +84,25 @@ TEST_CASE("corners vary as the crossings of their sides do") {
   CHECK((fitted - more * expected).norm() < 1e-5 * fitted.norm());
 }
 
+TEST_CASE("pixel locking moves a side along the pixel grid and turns one that crosses a pixel") {
+  // The upper side from (40, 30) to (300, 30 + crossed); of its two ends' places, the variances of
+  // their mean and of half their difference that locking adds.
+  const auto added = [](double crossed) {
+    RefinedFrame frame = skew_frame();
+    frame.corners = {{{40, 30}, {300, 30 + crossed}, {330, 190}, {30, 160}}};
+    const CornerCovariance without = corner_covariance(frame);
+    for (FrameSide& side : frame.sides) side.pixel_locking_px = 0.05;
+    const CornerCovariance more = corner_covariance(frame) - without;
+    return std::pair((more(1, 1) + more(3, 3) + 2 * more(1, 3)) / 4,
+                     (more(1, 1) + more(3, 3) - 2 * more(1, 3)) / 4);
+  };
+  CHECK(added(0).first > 0.9 * 0.05 * 0.05);
+  CHECK(added(0.66).second > 1.6 * 0.05 * 0.05);
+  CHECK(added(0.66).second > 3 * added(0).second);
+  CHECK(added(20).first < 0.1 * added(0).first);
+  CHECK(added(20).second < 0.1 * added(0.66).second);
+}
+
 TEST_CASE("corners whose sides were fitted without an error are not exact") {
   const auto least_variance = [](const RefinedFrame& frame) {
     const Eigen::SelfAdjointEigenSolver<CornerCovariance> solver(corner_covariance(frame));
@@ -91,11 +110,8 @@ TEST_CASE("corners whose sides were fitted without an error are not exact") {
   };
   CHECK(least_variance(skew_frame()) > 1e-6);
   CHECK(corner_covariance(skew_frame()).trace() < 8 * 0.02 * 0.02);
-  // A side along the rows of pixels, and one whose stroke is as thin as the blur, tell less.
-  RefinedFrame upright = skew_frame();
-  upright.corners = {{{40, 30}, {300, 30}, {330, 190}, {30, 160}}};
-  const CornerCovariance even = corner_covariance(upright), skew = corner_covariance(skew_frame());
-  CHECK(even(1, 1) > 2 * skew(1, 1));
+  // A side whose stroke is as thin as the blur tells less.
+  const CornerCovariance skew = corner_covariance(skew_frame());
   RefinedFrame thin = skew_frame();
   thin.sides[2].stroke_px = 1;
   const CornerCovariance doubtful = corner_covariance(thin);
