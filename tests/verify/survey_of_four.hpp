@@ -10,7 +10,8 @@
 
 namespace tagsmith::detail::test {
 
-// Tags 000L, 000R, 001L, 001R of a survey "little" with check digit sum10, on plates 400 x 300.
+// Tags 000L, 000R, 001L, 001R of a survey "little" with check digit sum10. Of the plates
+// the feature frame has a size and nothing else.
 inline Survey survey_of_four() {
   Survey survey;
   survey.name = "little";
