@@ -30,32 +30,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kCalibrate = "calibrate";
 constexpr std::array<const char*, 6> kParameters{"x", "y", "z", "yaw", "pitch", "roll"};
 
-struct Input {
-  Survey survey;
-  Rig rig;
-  Run run;
-};
-
-Result<Input> load(const CalibrateMountingOptions& options) {
-  auto survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
-  auto rig = load_rig(options.rig);
-  if (!rig) return fail(rig.error().message);
-  auto run = load_run(options.run, *rig);
-  if (!run) return fail(run.error().message);
+Result<void> check_files(const CalibrateMountingOptions& options, const SurveyedRun& input) {
   CommandFiles files;
-  files.reads(*survey);
-  files.reads(*run);
+  files.reads(input.survey);
+  files.reads(input.run);
   // The rig's own file may be updated in place.
-  for (const RigCamera& camera : rig->cameras) {
+  for (const RigCamera& camera : input.rig.cameras) {
     if (!camera.calibration.empty()) files.reads(camera.calibration, "a calibration");
   }
   files.writes(options.output, "--output");
-  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
-  return Input{std::move(*survey), std::move(*rig), std::move(*run)};
+  return files.check();
 }
 
 // x, y, z in metres, then yaw, pitch, roll in degrees.
@@ -98,7 +84,7 @@ void print_camera(const FittedMounting& mounting, const RigCamera& stated) {
   }
 }
 
-void print_words(const MountingFit& fit, const Input& input) {
+void print_words(const MountingFit& fit, const SurveyedRun& input) {
   for (std::size_t c = 0; c < fit.cameras.size(); ++c) {
     print_camera(fit.cameras[c], input.rig.cameras[c]);
   }
@@ -134,7 +120,7 @@ Json camera_json(const FittedMounting& mounting, const RigCamera& stated) {
   return line;
 }
 
-void print_json(const MountingFit& fit, const Input& input) {
+void print_json(const MountingFit& fit, const SurveyedRun& input) {
   for (std::size_t c = 0; c < fit.cameras.size(); ++c) {
     to_stdout("{}\n", json_text(camera_json(fit.cameras[c], input.rig.cameras[c])));
   }
@@ -254,15 +240,16 @@ std::string camera_of_other_place(const MountingFit& fit, const Rig& rig) {
 
 }  // namespace
 
-int calibrate_mounting(const CalibrateMountingOptions& options) {
-  const Result<Input> input = load(options);
-  if (!input) return report_failure(kCalibrate, input.error());
+Result<int> calibrate_mounting(const CalibrateMountingOptions& options) {
+  const Result<SurveyedRun> input = load_surveyed_run(options.survey, options.rig, options.run);
+  if (!input) return tl::unexpected(input.error());
+  if (auto usable = check_files(options, *input); !usable) return tl::unexpected(usable.error());
   const std::vector<Survey> surveys{input->survey};
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
   std::vector<Observation> rows =
       observe_run(input->run, surveys, input->rig, reader, options.jobs);
   const auto refuse = [&](const std::string& why) {
-    to_stderr("tagsmith {}: {}: {}\n", kCalibrate, options.run.string(), why);
+    to_stderr("tagsmith calibrate: {}: {}\n", options.run.string(), why);
     return kExitFindings;
   };
   const std::string exchanged = leave_out_altered(rows, surveys, input->rig);
@@ -274,7 +261,7 @@ int calibrate_mounting(const CalibrateMountingOptions& options) {
   options.json ? print_json(*fit, *input) : print_words(*fit, *input);
   if (!options.output.empty()) {
     const auto written = write_rig(options, *fit, input->rig);
-    if (!written) return report_failure(kCalibrate, written.error());
+    if (!written) return tl::unexpected(written.error());
   }
   std::string doubt = camera_of_contradictions(*fit);
   if (doubt.empty()) doubt = camera_of_other_place(*fit, input->rig);

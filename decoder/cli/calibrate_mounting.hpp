@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "tagsmith/base/result.hpp"
+
 namespace tagsmith::detail {
 
 struct CalibrateMountingOptions {
@@ -17,6 +19,6 @@ struct CalibrateMountingOptions {
 
 // Fits the mounting to the run, prints it, and writes the rig with it. Returns the command's exit
 // code.
-int calibrate_mounting(const CalibrateMountingOptions& options);
+Result<int> calibrate_mounting(const CalibrateMountingOptions& options);
 
 }  // namespace tagsmith::detail

@@ -61,11 +61,8 @@ constexpr const char* kPrintLines = "prints.jsonl";
 constexpr const char* kPhotoLines = "photos.jsonl";
 constexpr const char* kPositions = "positions.txt";
 
-struct Demo {
+struct Demo : SurveyedRun {
   fs::path folder;  // of the output
-  Survey survey;
-  Rig rig;
-  Run run;
   int jobs = 0;
 };
 
@@ -78,13 +75,10 @@ fs::path as_seen_from_here(const fs::path& path) {
 
 Result<Demo> load_demo(const fs::path& output, int jobs) {
   const fs::path corridor = as_seen_from_here(data_directory() / "surveys" / "corridor");
-  Result<Survey> survey = load_survey(corridor / "survey.yaml");
-  if (!survey) return fail(survey.error().message);
-  Result<Rig> rig = load_rig(corridor / "rig.yaml");
-  if (!rig) return fail(rig.error().message);
-  Result<Run> run = load_run(corridor / "run.csv", *rig);
-  if (!run) return fail(run.error().message);
-  return Demo{output, std::move(*survey), std::move(*rig), std::move(*run), jobs};
+  return load_surveyed_run(corridor / "survey.yaml", corridor / "rig.yaml", corridor / "run.csv")
+      .map([&](SurveyedRun shipped) {
+        return Demo{std::move(shipped), output, jobs};
+      });
 }
 
 // PDF and SVG of every tag and their manifest. The PDFs' paths.
@@ -128,16 +122,6 @@ Verified verify_files(const Demo& demo, const std::vector<fs::path>& files) {
   run_below_bar("files", files.size(), demo.jobs, verify, take);
   finish(verified.merged);
   return verified;
-}
-
-std::vector<fs::path> photos_of(const Run& run) {
-  std::vector<fs::path> photos;
-  for (const Measurement& measurement : run.measurements) {
-    for (const auto& [name, seen] : measurement.cameras) {
-      if (!seen.image.empty()) photos.push_back(seen.image);
-    }
-  }
-  return photos;
 }
 
 // One line on the files, and every finding. True when there are no findings.
@@ -306,7 +290,7 @@ Result<bool> run_steps(const Demo& demo) {
   to_stdout("{:<10} {} tags as PDF and SVG\n", "print", pdfs->size());
   const Verified prints = verify_files(demo, *pdfs);
   const bool prints_are_well = show(demo, "prints", prints);
-  const Verified photos = verify_files(demo, photos_of(demo.run));
+  const Verified photos = verify_files(demo, photos_of(demo.run.measurements));
   const bool photos_are_well = show(demo, "photos", photos);
   const LocatedPoints located = localize(demo);
   const std::string table = table_of(demo, located);
@@ -323,12 +307,10 @@ Result<bool> run_steps(const Demo& demo) {
   return prints_are_well && photos_are_well;
 }
 
-int run(const fs::path& output, int jobs) {
-  const Result<Demo> demo = load_demo(output, jobs);
-  if (!demo) return report_failure("demo", demo.error());
-  const Result<bool> well = run_steps(*demo);
-  if (!well) return report_failure("demo", well.error());
-  return *well ? kExitOk : kExitFindings;
+Result<int> run(const fs::path& output, int jobs) {
+  return load_demo(output, jobs).and_then(run_steps).map([](bool well) {
+    return well ? kExitOk : kExitFindings;
+  });
 }
 
 }  // namespace

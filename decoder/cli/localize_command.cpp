@@ -442,23 +442,23 @@ Result<void> check_options(const LocalizeOptions& options) {
   return {};
 }
 
-int run_localize(LocalizeOptions options) {
+Result<int> run_localize(LocalizeOptions options) {
   options.unsurveyed = options.unsurveyed || !options.own_template.empty();
   if (const auto usable = check_options(options); !usable) {
-    return report_failure(kLocalize, usable.error());
+    return tl::unexpected(usable.error());
   }
   const Result<LocalizeInput> input = load(options);
-  if (!input) return report_failure(kLocalize, input.error());
+  if (!input) return tl::unexpected(input.error());
   print_assumptions(kLocalize, assumed(*input, options));
   if (options.follow) {
     return follow(live_input(*input, options));
   }
   if (const auto usable = check_files(options, *input, {}); !usable) {
-    return report_failure(kLocalize, usable.error());
+    return tl::unexpected(usable.error());
   }
   if (options.smooth) {
     if (const auto usable = check_times(input->run); !usable) {
-      return report_failure(kLocalize, usable.error());
+      return tl::unexpected(usable.error());
     }
   }
   std::vector<Observation> rows =
@@ -479,7 +479,7 @@ int run_localize(LocalizeOptions options) {
   report_set_aside(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
-    if (!smoothed) return report_failure(kLocalize, smoothed.error());
+    if (!smoothed) return tl::unexpected(smoothed.error());
     located.front() = std::move(*smoothed);
   }
   const std::string doubt = doubt_of(findings, input->rig);
@@ -491,11 +491,11 @@ int run_localize(LocalizeOptions options) {
   }
   const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
-    return report_failure(kLocalize, written.error());
+    return tl::unexpected(written.error());
   }
   if (!options.pictures.empty()) {
     const auto written = write_pictures(options.pictures, input->rig, fixes);
-    if (!written) return report_failure(kLocalize, written.error());
+    if (!written) return tl::unexpected(written.error());
   }
   if (options.json) {
     print_json(located, *input, options, findings);

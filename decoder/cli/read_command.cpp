@@ -205,17 +205,17 @@ Result<void> check_files(const std::vector<Survey>& surveys, const std::vector<f
   return files.check();
 }
 
-int run(const ReadCommandOptions& options) {
+Result<int> run(const ReadCommandOptions& options) {
   const Result<std::vector<Survey>> surveys =
       load_surveys({options.surveys.begin(), options.surveys.end()});
-  if (!surveys) return report_failure("read", surveys.error());
+  if (!surveys) return tl::unexpected(surveys.error());
   const Result<ReadOptions> read = read_options(options, *surveys);
-  if (!read) return report_failure("read", read.error());
+  if (!read) return tl::unexpected(read.error());
   const Result<FileList> list = list_files(options.images, image_extensions(), std::cin);
-  if (!list) return report_failure("read", list.error());
+  if (!list) return tl::unexpected(list.error());
   const std::vector<fs::path> explanations = explanation_paths(options.explain, list->files);
   if (auto usable = check_files(*surveys, list->files, explanations); !usable) {
-    return report_failure("read", usable.error());
+    return tl::unexpected(usable.error());
   }
   const Tally tally = read_all(options, list->files, explanations, *surveys, *read);
   if (!list->skipped.empty()) {

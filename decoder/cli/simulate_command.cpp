@@ -39,7 +39,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSimulate = "simulate";
 constexpr const char* kTruth = "truth.json";
 constexpr const char* kRun = "run.csv";
 constexpr int kUsualQuality = 95;
@@ -60,12 +59,6 @@ struct SimulateOptions {
   double rolling_px = 0;
   bool force = false;
   bool json = false;
-};
-
-struct SimulateInput {
-  Survey survey;
-  Rig rig;
-  Run run;
 };
 
 // One measurement of the run, with what was simulated for it.
@@ -89,16 +82,6 @@ std::string image_name(const std::string& id, const std::string& camera,
 
 // --- checks ---
 
-Result<SimulateInput> load(const SimulateOptions& options) {
-  auto survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
-  auto rig = load_rig(options.rig);
-  if (!rig) return fail(rig.error().message);
-  auto run = load_run(options.run, *rig);
-  if (!run) return fail(run.error().message);
-  return SimulateInput{std::move(*survey), std::move(*rig), std::move(*run)};
-}
-
 Result<void> check_image_sizes(const Rig& rig) {
   constexpr double kMostPixels = 50e6;  // 13 bytes a pixel while an image is made
   for (const RigCamera& camera : rig.cameras) {
@@ -117,7 +100,7 @@ bool fits_file_name(const std::string& text) {
 }
 
 // Each image has its own file name, which cannot leave the folder.
-Result<void> check_file_names(const SimulateInput& input, const std::string& format) {
+Result<void> check_file_names(const SurveyedRun& input, const std::string& format) {
   std::set<std::string> names;
   for (const Measurement& measurement : input.run.measurements) {
     const std::string place = fmt::format("{}:{}: ", input.run.file.string(), measurement.line);
@@ -148,7 +131,7 @@ Result<void> check_folder(const SimulateOptions& options) {
               ": the folder is not empty; --force replaces files of the same names in it");
 }
 
-Result<Station> station_of(const SimulateInput& input, const Measurement& measurement,
+Result<Station> station_of(const SurveyedRun& input, const Measurement& measurement,
                            std::uint64_t seed) {
   const std::string place = fmt::format("{}:{}: ", input.run.file.string(), measurement.line);
   if (!measurement.truth_in_grid) {
@@ -175,7 +158,7 @@ Result<Station> station_of(const SimulateInput& input, const Measurement& measur
   return station;
 }
 
-Result<std::vector<Station>> stations_of(const SimulateInput& input, std::uint64_t seed) {
+Result<std::vector<Station>> stations_of(const SurveyedRun& input, std::uint64_t seed) {
   std::vector<Station> stations;
   for (const Measurement& measurement : input.run.measurements) {
     const auto row = static_cast<std::uint64_t>(measurement.line);
@@ -280,7 +263,7 @@ std::string truth_text(const Survey& survey, Json images) {
 
 // --- run.csv ---
 
-std::string run_text(const SimulateInput& input, const std::vector<Station>& stations,
+std::string run_text(const SurveyedRun& input, const std::vector<Station>& stations,
                      const std::string& format) {
   std::string text = "id";
   for (const RigCamera& camera : input.rig.cameras) text += "," + csv_field(camera.name);
@@ -309,7 +292,7 @@ std::string run_text(const SimulateInput& input, const std::vector<Station>& sta
 
 // --- the work ---
 
-std::vector<Shot> shots_of(const SimulateInput& input, const std::vector<Station>& stations,
+std::vector<Shot> shots_of(const SurveyedRun& input, const std::vector<Station>& stations,
                            const std::string& format) {
   std::vector<Shot> shots;
   for (const Station& station : stations) {
@@ -367,7 +350,7 @@ void print_json(const Json& truths, const fs::path& folder) {
 }
 
 // Renders every shot into the staged folder; the truth of each, or the first failure.
-Result<Json> render_shots(const SimulateOptions& options, const SimulateInput& input,
+Result<Json> render_shots(const SimulateOptions& options, const SurveyedRun& input,
                           const std::vector<Shot>& shots, const StagedFiles& files) {
   Json truths = Json::array();
   std::optional<Error> failure;
@@ -390,7 +373,7 @@ Result<Json> render_shots(const SimulateOptions& options, const SimulateInput& i
   return truths;
 }
 
-Result<void> check_files(const SimulateOptions& options, const SimulateInput& input,
+Result<void> check_files(const SimulateOptions& options, const SurveyedRun& input,
                          const std::vector<Shot>& shots) {
   CommandFiles files;
   files.reads(input.survey);
@@ -416,7 +399,7 @@ Result<void> check_chain(const SimulateOptions& options) {
   return {};
 }
 
-Result<Json> simulate(const SimulateOptions& options, const SimulateInput& input) {
+Result<Json> simulate(const SimulateOptions& options, const SurveyedRun& input) {
   if (const auto chain = check_chain(options); !chain) return tl::unexpected(chain.error());
   if (const auto sizes = check_image_sizes(input.rig); !sizes) return tl::unexpected(sizes.error());
   const auto names = check_file_names(input, options.format);
@@ -443,11 +426,11 @@ Result<Json> simulate(const SimulateOptions& options, const SimulateInput& input
   return truths;
 }
 
-int run_simulate(const SimulateOptions& options) {
-  const Result<SimulateInput> input = load(options);
-  if (!input) return report_failure(kSimulate, input.error());
+Result<int> run_simulate(const SimulateOptions& options) {
+  const Result<SurveyedRun> input = load_surveyed_run(options.survey, options.rig, options.run);
+  if (!input) return tl::unexpected(input.error());
   const Result<Json> truths = simulate(options, *input);
-  if (!truths) return report_failure(kSimulate, truths.error());
+  if (!truths) return tl::unexpected(truths.error());
   if (options.json) {
     print_json(*truths, options.folder);
   } else {
@@ -480,7 +463,7 @@ std::vector<CommandOption> camera_options(SimulateOptions& options) {
 Command simulate_command() {
   const auto options = std::make_shared<SimulateOptions>();
   Command command{
-      .name = kSimulate,
+      .name = "simulate",
       .summary = "What the cameras would see along a run, for rehearsals",
       .options = {survey_argument(&options->survey, "The tunnel and its tags (survey.yaml)"),
                   required(rig_option(&options->rig,

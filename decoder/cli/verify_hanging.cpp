@@ -93,11 +93,7 @@ Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,
     if (!run) return fail(run.error().message);
     files.reads(*run);
     setup.cameras = PhotoCameras::by_run(setup.rig, *run);
-    for (const Measurement& row : run->measurements) {
-      for (const auto& [name, seen] : row.cameras) {
-        if (!seen.image.empty()) loaded.photos.push_back(seen.image.string());
-      }
-    }
+    for (const auto& photo : photos_of(run->measurements)) loaded.photos.push_back(photo.string());
   } else if (!options.camera.empty()) {
     Result<PhotoCameras> cameras = PhotoCameras::by_camera(setup.rig, options.camera);
     if (!cameras) return fail(cameras.error().message);

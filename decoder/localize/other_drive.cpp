@@ -20,13 +20,7 @@ namespace {
 // Photos of all measurements, at most so many, evenly spread.
 std::vector<std::filesystem::path> sample_of(const std::vector<Measurement>& measurements) {
   constexpr std::size_t kMost = 12;
-  std::vector<std::filesystem::path> all;
-  for (const Measurement& measurement : measurements) {
-    for (const auto& [name, seen] : measurement.cameras) {
-      if (!seen.image.empty()) all.push_back(seen.image);
-    }
-  }
-  return evenly_taken(std::move(all), kMost);
+  return evenly_taken(photos_of(measurements), kMost);
 }
 
 bool is_code(const Digits& digits) {

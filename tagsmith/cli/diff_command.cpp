@@ -83,11 +83,11 @@ void warn_of_misread_plates(const std::vector<ReadElsewhere>& plates) {
       fmt::join(shown, "; "), plates.size() > kShown ? "; ..." : "");
 }
 
-int diff(const DiffOptions& options) {
+Result<int> diff(const DiffOptions& options) {
   const Result<Survey> before = load_survey(options.before);
-  if (!before) return report_failure("diff", before.error());
+  if (!before) return tl::unexpected(before.error());
   const Result<Survey> after = load_survey(options.after);
-  if (!after) return report_failure("diff", after.error());
+  if (!after) return tl::unexpected(after.error());
   const std::vector<TagDifference> differences = compare_surveys(*before, *after);
   const bool same = survey_revision(*before) == survey_revision(*after);
   if (differences.empty() && !same) {

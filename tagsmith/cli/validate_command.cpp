@@ -239,15 +239,14 @@ Result<Findings> fix_and_validate(const ValidateOptions& options) {
   return findings;
 }
 
-int explain(const std::string& code) {
+Result<int> explain(const std::string& code) {
   const Rule* rule = find_rule(code);
   if (rule == nullptr) {
     std::vector<std::string> codes;
     for (const Rule& known : rules()) codes.emplace_back(known.code);
     const auto near = nearest_word(code, codes);
-    return report_failure(
-        "validate", {fmt::format("--explain: no rule {}{}", code,
-                                 near ? ", did you mean " + *near + "?" : "; --rules lists them")});
+    return fail(fmt::format("--explain: no rule {}{}", code,
+                            near ? ", did you mean " + *near + "?" : "; --rules lists them"));
   }
   to_stdout("{}: {}\n{}\n", rule->code, rule->finds, rule->remedy);
   return kExitOk;
@@ -261,15 +260,15 @@ int list_rules() {
   return kExitOk;
 }
 
-int run_validate(const ValidateOptions& options) {
+Result<int> run_validate(const ValidateOptions& options) {
   if (options.list_rules) return list_rules();
   if (!options.explain.empty()) return explain(options.explain);
   if (options.surveys.empty() && options.rigs.empty() && options.templates.empty()) {
-    return report_failure("validate", {"no files given, expected SURVEY, --rig or --template"});
+    return fail("no files given, expected SURVEY, --rig or --template");
   }
   if (!options.fix) return report(validate(options), options);
-  const Result<Findings> findings = fix_and_validate(options);
-  return findings ? report(*findings, options) : report_failure("validate", findings.error());
+  return fix_and_validate(options).map(
+      [&](const Findings& findings) { return report(findings, options); });
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/limits.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
@@ -270,6 +271,28 @@ Result<Run> load_run(const fs::path& path, const Rig& rig) {
   run.measurements = read_rows(text, path, rig, log);
   if (log.has_errors()) return fail(to_string(log.sorted(), true));
   return run;
+}
+
+std::vector<std::filesystem::path> photos_of(const std::vector<Measurement>& measurements) {
+  std::vector<std::filesystem::path> photos;
+  for (const Measurement& measurement : measurements) {
+    for (const auto& [name, seen] : measurement.cameras) {
+      if (!seen.image.empty()) photos.push_back(seen.image);
+    }
+  }
+  return photos;
+}
+
+Result<SurveyedRun> load_surveyed_run(const std::filesystem::path& survey,
+                                      const std::filesystem::path& rig,
+                                      const std::filesystem::path& run) {
+  Result<Survey> surveyed = load_survey(survey);
+  if (!surveyed) return tl::unexpected(surveyed.error());
+  Result<Rig> driven = load_rig(rig);
+  if (!driven) return tl::unexpected(driven.error());
+  return load_run(run, *driven).map([&](Run rows) {
+    return SurveyedRun{std::move(*surveyed), std::move(*driven), std::move(rows)};
+  });
 }
 
 }  // namespace tagsmith::detail

@@ -12,6 +12,7 @@
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
 
@@ -41,5 +42,20 @@ struct Run {
 // cameras and ranges is an error, as are numbers that are not numbers. The message names
 // file:line:column of every fault found (column = the field's number).
 Result<Run> load_run(const std::filesystem::path& path, const Rig& rig);
+
+// The photos of all cameras, row by row.
+std::vector<std::filesystem::path> photos_of(const std::vector<Measurement>& measurements);
+
+// A run of a rig past the tags of a survey.
+struct SurveyedRun {
+  Survey survey;
+  Rig rig;
+  Run run;
+};
+
+// From their three files.
+Result<SurveyedRun> load_surveyed_run(const std::filesystem::path& survey,
+                                      const std::filesystem::path& rig,
+                                      const std::filesystem::path& run);
 
 }  // namespace tagsmith::detail

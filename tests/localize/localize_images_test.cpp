@@ -20,13 +20,13 @@
 namespace tagsmith::detail {
 namespace {
 
-struct SurveyedRun {
+struct ShippedRun {
   std::vector<Survey> surveys;
   Rig rig;
   Run run;
 };
 
-SurveyedRun load_site(const std::string& name) {
+ShippedRun load_site(const std::string& name) {
   const std::string folder = "surveys/" + name;
   auto survey = load_survey(folder + "/survey.yaml");
   auto rig = load_rig(folder + "/rig.yaml");
@@ -39,7 +39,7 @@ SurveyedRun load_site(const std::string& name) {
 
 // A measurement's images, every one read as closely as can be.
 struct Images {
-  Images(const SurveyedRun& site, const Measurement& measurement) {
+  Images(const ShippedRun& site, const Measurement& measurement) {
     for (const RigCamera& camera : site.rig.cameras) {
       auto image = load_gray_image(measurement.cameras.at(camera.name).image);
       REQUIRE(image.has_value());
@@ -49,13 +49,13 @@ struct Images {
   }
 
   // The fix that spares the closer look where it can.
-  Fix fix(const SurveyedRun& site, const std::vector<Survey>& surveys) const {
+  Fix fix(const ShippedRun& site, const std::vector<Survey>& surveys) const {
     Observation seen;
     return localize_images(seen, images, surveys, site.rig);
   }
 
   // The fix by all that the images show.
-  Fix full_fix(const SurveyedRun& site, const std::vector<Survey>& surveys) const {
+  Fix full_fix(const ShippedRun& site, const std::vector<Survey>& surveys) const {
     Observation seen;
     for (const CameraImage& image : images) {
       observe_image(seen, *image.camera, image.image, image.name, surveys,
@@ -87,7 +87,7 @@ void paint_over_left_side(GrayImage& image, const FrameCorners& corners) {
 
 TEST_CASE("sparing the closer look leaves positions as they are") {
   for (const char* name : {"corridor", "curved"}) {
-    const SurveyedRun site = load_site(name);
+    const ShippedRun site = load_site(name);
     for (const Measurement& measurement : site.run.measurements) {
       CAPTURE(name);
       CAPTURE(measurement.id);
@@ -103,7 +103,7 @@ TEST_CASE("sparing the closer look leaves positions as they are") {
 }
 
 TEST_CASE("a tag that hangs elsewhere than surveyed is met by the closer look as without sparing") {
-  const SurveyedRun site = load_site("corridor");
+  const ShippedRun site = load_site("corridor");
   for (const std::size_t row : {1U, 2U, 5U, 8U}) {  // with other bars in their photos
     const Images seen(site, site.run.measurements[row]);
     const Fix whole = seen.full_fix(site, site.surveys);
@@ -122,7 +122,7 @@ TEST_CASE("a tag that hangs elsewhere than surveyed is met by the closer look as
 }
 
 TEST_CASE("a surveyed tag that was not read where it should be is looked for closer") {
-  SurveyedRun site = load_site("corridor");
+  ShippedRun site = load_site("corridor");
   const Measurement& measurement = site.run.measurements.front();
   Images seen(site, measurement);
   // A third camera beside the right one, before which something hides a part of the frame.
@@ -149,7 +149,7 @@ TEST_CASE("a surveyed tag that was not read where it should be is looked for clo
 }
 
 TEST_CASE("an image without a tag, or of another size, is told") {
-  SurveyedRun site = load_site("corridor");
+  ShippedRun site = load_site("corridor");
   Images seen(site, site.run.measurements.front());
   GrayImage& left = seen.loaded[0];
   std::ranges::fill(left.samples, std::uint8_t{100});
