@@ -51,13 +51,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The measurement is not known to more digits; null where it is not finite.
-Json measured(double value) {
-  constexpr int kDigits = 6;
-  if (!std::isfinite(value)) return nullptr;
-  if (value == 0) return 0.0;
-  const double power = std::pow(10.0, kDigits - 1 - std::floor(std::log10(std::abs(value))));
-  return std::round(value * power) / power;
-}
+Json measured(double value) { return std::isfinite(value) ? Json(with_digits(value, 6)) : Json(); }
 
 double sigma_of(const CameraCalibration& calibration, Eigen::Index i) {
   return std::sqrt(std::max(0.0, calibration.covariance(i, i)));
@@ -506,11 +500,8 @@ std::string named_photos(const BoardCalibration& result, const std::vector<std::
 
 void print_numbers(const CameraCalibration& calibration) {
   for (const CameraNumber& number : camera_numbers(calibration)) {
-    const bool is_pixels = !number.unit.empty();
-    to_stdout(
-        "  {:3} {:>12}  sigma {}\n", number.name,
-        is_pixels ? fmt::format("{:.3f} px", number.value) : fmt::format("{:.6f}", number.value),
-        is_pixels ? fmt::format("{:.3f} px", number.sigma) : fmt::format("{:.6f}", number.sigma));
+    to_stdout("  {:3} {:>12}  sigma {}\n", number.name, number.in_words(number.value),
+              number.in_words(number.sigma));
   }
 }
 

@@ -484,11 +484,8 @@ std::string pictures(const BoardCalibration& result) {
 std::string number_rows(const CameraCalibration& calibration) {
   std::string rows;
   for (const CameraNumber& number : camera_numbers(calibration)) {
-    const bool is_pixels = !number.unit.empty();
-    rows += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", number.name,
-        is_pixels ? fmt::format("{:.3f} px", number.value) : fmt::format("{:.6f}", number.value),
-        is_pixels ? fmt::format("{:.3f} px", number.sigma) : fmt::format("{:.6f}", number.sigma));
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", number.name,
+                        number.in_words(number.value), number.in_words(number.sigma));
   }
   return rows;
 }

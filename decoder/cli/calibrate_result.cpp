@@ -85,6 +85,10 @@ std::vector<std::string_view> coefficient_names(LensModel lens) {
   return {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
 }
 
+std::string CameraNumber::in_words(double of) const {
+  return unit.empty() ? fmt::format("{:.6f}", of) : fmt::format("{:.3f} px", of);
+}
+
 std::vector<CameraNumber> camera_numbers(const CameraCalibration& calibration) {
   const CameraVector values = parameters_of(calibration.camera);
   std::vector<CameraNumber> numbers;

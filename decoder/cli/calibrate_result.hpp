@@ -38,6 +38,9 @@ struct CameraNumber {
   double value = 0;
   double sigma = 0;
   std::string_view unit;  // "px", or empty
+
+  // Its value or sigma: "1600.123 px", or "-0.123456".
+  std::string in_words(double of) const;
 };
 
 // The parameters that the form leaves free: focal lengths ("f" for the one of square pixels),

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "decoder/verify/verify_merge.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/statistics.hpp"
@@ -714,15 +715,6 @@ void find_lost(const std::vector<Day>& missed, PlateState& state) {
       after);
 }
 
-std::vector<const PlacedTag*> wall_of(const Survey& survey, Side side) {
-  std::vector<const PlacedTag*> wall;
-  for (const PlacedTag& tag : survey.tags) {
-    if (tag.side == side) wall.push_back(&tag);
-  }
-  std::ranges::stable_sort(wall, {}, &PlacedTag::chainage);
-  return wall;
-}
-
 void count_trend(const PlateState& plate, LedgerReport& report) {
   if (!plate.due) return;
   ++report.trends;
@@ -798,7 +790,7 @@ Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledg
   std::vector<PlateState> described;
   std::vector<std::vector<Day>> missed;
   for (const Side side : {Side::left, Side::right}) {
-    const std::vector<const PlacedTag*> wall = wall_of(survey, side);
+    const std::vector<const PlacedTag*> wall = tags_along(survey, side);
     for (const PlacedTag* tag : wall) {
       const auto history = histories->find(tag->name);
       described.push_back(describe_plate(

@@ -28,13 +28,6 @@ using nlohmann::json;
 
 // --- writing ---
 
-// Rounded to that many digits.
-double with_digits(double value, int digits) {
-  if (value == 0 || !std::isfinite(value)) return 0;
-  return with_decimals(value,
-                       digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
-}
-
 void add_grade(const VerifiedTag& tag, Json& object) {
   if (!tag.grade && tag.grade_reason.empty()) return;
   object["grade"] = tag.grade ? Json(with_decimals(tag.grade->grade, 1)) : Json();
@@ -404,10 +397,8 @@ std::string verify_summary_line(const Survey& survey, const VerifyMerge& merged,
                                 const std::map<std::string, std::size_t>& skipped) {
   Json object{{"files", merged.files + merged.repeated},
               {"files_with_findings", merged.files_with_findings}};
-  for (const TagStatus status :
-       {TagStatus::ok, TagStatus::unknown, TagStatus::misprinted, TagStatus::unreadable,
-        TagStatus::duplicate, TagStatus::cut_off, TagStatus::misplaced, TagStatus::doubtful}) {
-    object[to_string(status)] = merged.by_status[static_cast<std::size_t>(status)];
+  for (std::size_t i = 0; i < kTagStatuses; ++i) {
+    object[to_string(static_cast<TagStatus>(i))] = merged.by_status[i];
   }
   object["stale"] = merged.stale;
   object["photos_without_tag"] = merged.without_tag_count;

@@ -148,13 +148,8 @@ void add_new_faults(const std::string& identity, VerifiedFile& file, VerifyMerge
 
 void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
                 std::vector<UnseenStretch>& stretches) {
-  std::vector<const PlacedTag*> wall;
-  for (const PlacedTag& tag : survey.tags) {
-    if (tag.side == side) wall.push_back(&tag);
-  }
-  std::ranges::stable_sort(wall, {}, &PlacedTag::chainage);
   bool goes_on = false;
-  for (const PlacedTag* tag : wall) {
+  for (const PlacedTag* tag : tags_along(survey, side)) {
     const bool unseen = status_of(record_of(merged, tag->name)) == "unseen";
     if (unseen && !goes_on) stretches.push_back({side, tag->chainage, tag->chainage, {}});
     goes_on = unseen;
@@ -232,6 +227,15 @@ void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) 
   }
   // What is left is wrong with the whole file.
   for (const std::string& rule : rules) add_fault(merged, fault_of(file, rule));
+}
+
+std::vector<const PlacedTag*> tags_along(const Survey& survey, Side side) {
+  std::vector<const PlacedTag*> wall;
+  for (const PlacedTag& tag : survey.tags) {
+    if (tag.side == side) wall.push_back(&tag);
+  }
+  std::ranges::stable_sort(wall, {}, &PlacedTag::chainage);
+  return wall;
 }
 
 std::vector<std::string> missing_tags(const Survey& survey, const VerifyMerge& merged) {

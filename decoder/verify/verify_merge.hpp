@@ -87,6 +87,9 @@ struct VerifyMerge {
 // Adds what was found in one file, verified against the survey of this revision.
 void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged);
 
+// The survey's tags on a wall, along the drive.
+std::vector<const PlacedTag*> tags_along(const Survey& survey, Side side);
+
 // The survey's tags that no file shows in order, apart from doubts.
 std::vector<std::string> missing_tags(const Survey& survey, const VerifyMerge& merged);
 

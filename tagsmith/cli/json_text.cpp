@@ -16,6 +16,12 @@ double with_decimals(double value, int decimals) {
   return std::round(value * scale) / scale;
 }
 
+double with_digits(double value, int digits) {
+  if (value == 0 || !std::isfinite(value)) return 0;
+  return with_decimals(value,
+                       digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+}
+
 nlohmann::ordered_json number_list(std::span<const double> values) {
   return json_list(values, [](double value) { return value; });
 }

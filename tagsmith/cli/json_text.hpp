@@ -18,6 +18,9 @@ std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
 // Rounded so that the shortest text of the number has at most that many decimals.
 double with_decimals(double value, int decimals);
 
+// Rounded to that many digits; 0 for what is not finite.
+double with_digits(double value, int digits);
+
 // What `json_of` makes of each item, as a list.
 template <class Items, class JsonOf, class Json = nlohmann::ordered_json>
 Json json_list(const Items& items, const JsonOf& json_of) {
