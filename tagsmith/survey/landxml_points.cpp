@@ -368,27 +368,45 @@ std::optional<VerticalProfile> read_profile(const pugi::xml_node& node, double m
   return std::nullopt;
 }
 
+// Nodes of one kind in several groups, and what they are in words.
+struct NodesOfKind {
+  pugi::xml_object_range<pugi::xml_named_node_iterator> groups;
+  const char* kind;
+  const char* words;
+};
+
+// The only one that is not ignored, an empty node where there is none. Nothing, with an error
+// logged, where there are several.
+std::optional<pugi::xml_node> only_one(const NodesOfKind& nodes,
+                                       const std::vector<std::string>& ignore,
+                                       const TextPlaces& places, FindingLog& log) {
+  std::vector<pugi::xml_node> found;
+  std::string names;
+  for (const pugi::xml_node& group : nodes.groups) {
+    for (const pugi::xml_node& each : group.children(nodes.kind)) {
+      const std::string name = each.attribute("name").value();
+      if (std::ranges::find(ignore, name) != ignore.end()) continue;
+      names += (names.empty() ? "" : ", ") + name.substr(0, 60);
+      found.push_back(each);
+    }
+  }
+  if (found.size() < 2) return found.empty() ? pugi::xml_node() : found[0];
+  log.error({line_of(found[1], places), 0}, "several-alignments",
+            std::string("several ") + nodes.words + ": " + names.substr(0, 300),
+            "leave all but one out: --ignore NAME,NAME");
+  return std::nullopt;
+}
+
 // The only profile of the alignment that is not ignored, empty where there is none. Nothing, with
 // its error logged, where there are several, or it cannot be read.
 std::optional<VerticalProfile> profile_of(const pugi::xml_node& alignment, double metre,
                                           const std::vector<std::string>& ignore,
                                           const TextPlaces& places, FindingLog& log) {
-  std::vector<pugi::xml_node> profiles;
-  std::string names;
-  for (const pugi::xml_node& group : alignment.children("Profile")) {
-    for (const pugi::xml_node& each : group.children("ProfAlign")) {
-      const std::string name = each.attribute("name").value();
-      if (std::ranges::find(ignore, name) != ignore.end()) continue;
-      names += (names.empty() ? "" : ", ") + name.substr(0, 60);
-      profiles.push_back(each);
-    }
-  }
-  if (profiles.empty()) return VerticalProfile{};
-  if (profiles.size() == 1) return read_profile(profiles[0], metre, places, log);
-  log.error({line_of(profiles[1], places), 0}, "several-alignments",
-            "several profiles of one alignment: " + names.substr(0, 300),
-            "leave all but one out: --ignore NAME,NAME");
-  return std::nullopt;
+  const auto node =
+      only_one({alignment.children("Profile"), "ProfAlign", "profiles of one alignment"}, ignore,
+               places, log);
+  if (!node) return std::nullopt;
+  return *node ? read_profile(*node, metre, places, log) : VerticalProfile{};
 }
 
 // Logs where an alignment, between two stations, has no heights.
@@ -517,25 +535,10 @@ void sample_alignment(const pugi::xml_node& alignment, double metre,
 
 void read_alignments(const pugi::xml_node& root, const std::vector<std::string>& ignore,
                      const TextPlaces& places, RawPoints& result, FindingLog& log) {
-  std::vector<pugi::xml_node> alignments;
-  std::string names;
-  for (const pugi::xml_node& collection : root.children("Alignments")) {
-    for (const pugi::xml_node& each : collection.children("Alignment")) {
-      const std::string name = each.attribute("name").value();
-      if (std::ranges::find(ignore, name) != ignore.end()) continue;
-      names += (names.empty() ? "" : ", ") + name.substr(0, 60);
-      alignments.push_back(each);
-    }
-  }
-  if (alignments.empty()) return;
-  if (alignments.size() > 1) {
-    log.error({line_of(alignments[1], places), 0}, "several-alignments",
-              "several alignments: " + names.substr(0, 300),
-              "leave all but one out: --ignore NAME,NAME");
-    return;
-  }
-  sample_alignment(alignments[0], 1 / result.metres_per_unit.value_or(1), ignore, places, result,
-                   log);
+  const auto node =
+      only_one({root.children("Alignments"), "Alignment", "alignments"}, ignore, places, log);
+  if (!node || !*node) return;
+  sample_alignment(*node, 1 / result.metres_per_unit.value_or(1), ignore, places, result, log);
 }
 
 // ---- Points, and what the export of a survey says of all its tags.
