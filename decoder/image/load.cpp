@@ -84,6 +84,10 @@ Result<GrayImage> decode_by_opencv(const std::string& bytes) {
   }
 }
 
+DecodedImage undamaged(GrayImage image) { return {std::move(image), ""}; }
+
+GrayImage image_of(DecodedImage decoded) { return std::move(decoded.image); }
+
 Result<DecodedImage> decode(const std::string& bytes) {
   if (bytes.starts_with("\xFF\xD8\xFF")) {
     try {
@@ -101,20 +105,16 @@ Result<DecodedImage> decode(const std::string& bytes) {
     if (!pixels) {
       return fail("cannot be decoded, it is damaged or cut short: " + pixels.error().message);
     }
-    Result<GrayImage> png = decode_by_opencv(*pixels);
-    if (!png) return fail(png.error().message);
-    return DecodedImage{std::move(*png), ""};
+    return decode_by_opencv(*pixels).map(undamaged);
   }
-  Result<GrayImage> image = decode_by_opencv(without_orientation(bytes));
-  if (!image) return fail(image.error().message);
-  return DecodedImage{std::move(*image), ""};
+  return decode_by_opencv(without_orientation(bytes)).map(undamaged);
 }
 
 Result<DecodedImage> decode_still(const std::string& name, const std::string& bytes) {
   try {
-    Result<GrayImage> image = decode_heif(bytes, kMaxImagePixels);
-    if (image) return DecodedImage{std::move(*image), ""};
-    return fail(name + ": cannot be decoded: " + image.error().message);
+    return decode_heif(bytes, kMaxImagePixels).map(undamaged).map_error([&](const Error& error) {
+      return Error{name + ": cannot be decoded: " + error.message};
+    });
   } catch (const std::bad_alloc&) {
     return fail(name + ": is too large for the memory there is");
   }
@@ -123,15 +123,13 @@ Result<DecodedImage> decode_still(const std::string& name, const std::string& by
 }  // namespace
 
 Result<DecodedImage> load_image(const std::filesystem::path& path) {
-  const Result<std::string> bytes = read_regular_file(path, kMaxFileBytes);
-  if (!bytes) return fail(bytes.error().message);
-  return decode_image(path.string(), *bytes);
+  return read_regular_file(path, kMaxFileBytes).and_then([&](const std::string& bytes) {
+    return decode_image(path.string(), bytes);
+  });
 }
 
 Result<GrayImage> load_gray_image(const std::filesystem::path& path) {
-  Result<DecodedImage> loaded = load_image(path);
-  if (!loaded) return fail(loaded.error().message);
-  return std::move(loaded->image);
+  return load_image(path).map(image_of);
 }
 
 Result<DecodedImage> decode_image(const std::string& name, const std::string& bytes) {
@@ -149,9 +147,7 @@ Result<DecodedImage> decode_image(const std::string& name, const std::string& by
 }
 
 Result<GrayImage> decode_gray_image(const std::string& name, const std::string& bytes) {
-  Result<DecodedImage> decoded = decode_image(name, bytes);
-  if (!decoded) return fail(decoded.error().message);
-  return std::move(decoded->image);
+  return decode_image(name, bytes).map(image_of);
 }
 
 Result<std::string> encode_gray_image(const std::filesystem::path& name, const GrayView& image,
@@ -176,9 +172,9 @@ Result<std::string> encode_gray_image(const std::filesystem::path& name, const G
 
 Result<void> save_gray_image(const std::filesystem::path& path, const GrayView& image,
                              int jpeg_quality) {
-  const Result<std::string> bytes = encode_gray_image(path, image, jpeg_quality);
-  if (!bytes) return fail(bytes.error().message);
-  return write_file(path, *bytes);
+  return encode_gray_image(path, image, jpeg_quality).and_then([&](const std::string& bytes) {
+    return write_file(path, bytes);
+  });
 }
 
 }  // namespace tagsmith::detail
