@@ -31,7 +31,7 @@ std::string page_bytes(const detail::Survey& survey, const detail::PlacedTag& ta
 
 void print_tag(const Survey& survey, const std::string& tag, const std::filesystem::path& path) {
   const detail::Survey& known = survey.data().survey;
-  const detail::PlacedTag* placed = find_tag(known, std::string_view(tag));
+  const detail::PlacedTag* placed = find_tag(known, tag);
   if (placed == nullptr) {
     detail::throw_invalid("the survey " + known.name + " has no tag `" + tag + "`");
   }

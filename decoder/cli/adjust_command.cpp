@@ -84,7 +84,7 @@ bool holds_lines(const std::string& file) {
 
 Result<std::vector<std::string>> control_tags(const AdjustOptions& options, const Survey& survey) {
   for (const std::string& name : options.control) {
-    if (find_tag(survey, std::string_view(name)) != nullptr) continue;
+    if (find_tag(survey, name) != nullptr) continue;
     return fail(
         fmt::format("--control {}: {} has no tag of this name", name, survey.file.string()));
   }
@@ -324,13 +324,12 @@ Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurv
       view.title += fmt::format("; arrows and 95 % ellipses magnified {:g} times", factor);
     }
     for (const AsBuiltTag& tag : found.tags) {
-      const PlacedTag* surveyed = find_tag(survey, std::string_view(tag.tag));
+      const PlacedTag* surveyed = find_tag(survey, tag.tag);
       if (surveyed == nullptr || surveyed->chainage < strip.from || surveyed->chainage > strip.to) {
         continue;
       }
       add_tag(view.sketch, strip, *surveyed, tag, factor);
     }
-    view.new_row = true;
     views.push_back(std::move(view));
   }
   views.push_back(summary_view(found));
@@ -424,7 +423,7 @@ Json tag_json(const Survey& survey, const AsBuiltTag& tag) {
   const PlateAttitude attitude = attitude_of(survey.grid, tag.world_from_plate);
   const Vector3d turned = tag.covariance.diagonal().tail<3>().cwiseMax(0).cwiseSqrt();
   const Matrix3d covariance = in_grid(survey.grid, tag.covariance.topLeftCorner<3, 3>());
-  const Vector3d surveyed = find_tag(survey, std::string_view(tag.tag))->p_in_grid;
+  const Vector3d surveyed = find_tag(survey, tag.tag)->p_in_grid;
   line["p"] = number_list(p_in_grid(survey, tag));
   line["sigma"] = number_list(sigma_in_grid(survey, tag));
   line["covariance"] = number_list(covariance.reshaped());

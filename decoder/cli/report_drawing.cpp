@@ -55,7 +55,6 @@ std::vector<DrawingView> report_map(const Survey& survey, const VerifyMerge& mer
   std::vector<DrawingView> views;
   for (const PlanStrip& strip : plan_strips(survey)) {
     DrawingView view = plan_view(survey, strip);
-    view.new_row = true;
     SketchLayer& layer = view.sketch.layer("status");
     for (const PlacedTag& tag : survey.tags) {
       if (tag.chainage < strip.from || tag.chainage > strip.to) continue;

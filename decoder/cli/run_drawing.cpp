@@ -132,7 +132,6 @@ std::vector<DrawingView> plan_views(const Survey& survey, const std::vector<Mark
     for (const Mark* mark : here) {
       add_mark(view.sketch, strip, *mark, factor, here.size() <= kMostNames);
     }
-    view.new_row = true;
     views.push_back(std::move(view));
   }
   return views;

@@ -2,7 +2,6 @@
 // What the fixes so far say about the next, while the vehicle drives.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <set>
 #include <string>

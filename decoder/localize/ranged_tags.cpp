@@ -12,7 +12,6 @@
 #include "decoder/paper/closed_form.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/centerline.hpp"
-#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 

@@ -167,7 +167,7 @@ std::string entry_of(const Survey& survey, const PlacedTag& tag, const Pose& pos
 // Names what is wrong with a plate that is off.
 void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCheck& check,
                   HungTag& tag) {
-  const PlacedTag& surveyed = *find_tag(survey, std::string_view(tag.tag));
+  const PlacedTag& surveyed = *find_tag(survey, tag.tag);
   const Pose pose = hung_pose(plate, *check.offset);
   if (const PlacedTag* other = place_of(survey, pose); other != nullptr && other != &surveyed) {
     tag.rule = other->side != surveyed.side ? "wrong-wall" : "swapped";
@@ -289,7 +289,7 @@ double turn_of(const PlateCheck& check) { return check.offset->turn.norm(); }
 // "A photo of 001L together with 002L would tell": the nearest tag that is not in question.
 std::string deciding_photo(const Survey& survey, const HungTag& tag,
                            const std::vector<HungTag>& tags) {
-  const Vector3d here = find_tag(survey, std::string_view(tag.tag))->world_from_plate.translation;
+  const Vector3d here = find_tag(survey, tag.tag)->world_from_plate.translation;
   const auto in_question = [&](const std::string& name) {
     const auto hung = std::ranges::find(tags, name, &HungTag::tag);
     return name == tag.tag || (hung != tags.end() && (hung->verdict == HangVerdict::off ||
@@ -427,7 +427,7 @@ std::vector<UnknownTag> find_unknown_tags(const Survey& survey, const Adjustment
   }
   std::vector<UnknownTag> unknown_tags;
   for (const SightedTag& tag : sighted) {
-    if (find_tag(survey, std::string_view(tag.tag)) != nullptr) continue;
+    if (find_tag(survey, tag.tag) != nullptr) continue;
     const auto station = std::ranges::find(problem.stations, tag.station, &Station::name);
     if (station == problem.stations.end()) continue;
     const SightedPlate* place = place_by_neighbours(
@@ -446,7 +446,7 @@ std::vector<UntiedPair> untied_pairs(const Survey& survey, const AdjustmentProbl
   for (const Side side : {Side::left, Side::right}) {
     std::vector<std::pair<double, std::size_t>> wall;  // by chainage
     for (std::size_t i = 0; i < tags.size(); ++i) {
-      const PlacedTag* tag = find_tag(survey, std::string_view(tags[i].tag));
+      const PlacedTag* tag = find_tag(survey, tags[i].tag);
       if (tag->side == side && fits[i]) wall.emplace_back(tag->chainage, i);
     }
     std::ranges::sort(wall);

@@ -3,7 +3,6 @@
 // people who hang them.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,7 +10,6 @@
 
 #include <Eigen/Core>
 
-#include "decoder/localize/observation.hpp"
 #include "decoder/plates/plate_consensus.hpp"
 #include "decoder/plates/sightings.hpp"
 #include "tagsmith/survey/rig.hpp"

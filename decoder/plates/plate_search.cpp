@@ -7,7 +7,6 @@
 #include <map>
 #include <utility>
 
-#include "decoder/localize/joint_model.hpp"
 #include "decoder/plates/plate_start.hpp"
 #include "tagsmith/base/statistics.hpp"
 

@@ -9,7 +9,6 @@
 
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/plate_in_image.hpp"
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/tunnel_surfaces.hpp"

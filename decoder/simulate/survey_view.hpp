@@ -11,7 +11,6 @@
 #include "decoder/simulate/light.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "decoder/simulate/scene.hpp"
-#include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/survey/rig.hpp"

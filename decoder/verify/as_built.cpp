@@ -47,7 +47,7 @@ struct Site {
 // Control tags hang as surveyed, all others about there.
 void set_freedom(const Survey& survey, bool is_control, SightedPlate& plate) {
   if (is_control) {
-    const double sigma = find_tag(survey, std::string_view(plate.name))->sigma;
+    const double sigma = find_tag(survey, plate.name)->sigma;
     set_survey_sigma(plate, std::max(sigma, kLeastSurveySigma),
                      std::max(survey.angle_sigma, kLeastAngleSigma));
   } else {
@@ -367,7 +367,7 @@ AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adju
                               std::span<const std::string> control) {
   AsBuiltSurvey result;
   for (std::size_t i = 0; i < site.drive.plates.size(); ++i) {
-    const PlacedTag& tag = *find_tag(survey, std::string_view(site.drive.plates[i].name));
+    const PlacedTag& tag = *find_tag(survey, site.drive.plates[i].name);
     const bool was_control = std::ranges::find(control, tag.name) != control.end();
     result.tags.push_back(as_built_tag(site, adjustment, i, tag, was_control));
   }
@@ -409,7 +409,7 @@ bool agree(const Survey& survey, const AsBuiltSurvey& found, const std::string& 
   for (const AsBuiltTag& tag : found.tags) {
     if (!tag.has_place() || tag.tag == besides) continue;
     ++placed;
-    const double sigma = find_tag(survey, std::string_view(tag.tag))->sigma;
+    const double sigma = find_tag(survey, tag.tag)->sigma;
     if (shift_chi_square(tag, sigma) < kTwoThirds) ++fitting;
   }
   return fitting >= 3 && 3 * fitting >= 2 * placed;
@@ -484,7 +484,7 @@ void judge_control(const Survey& survey, AsBuiltSurvey& found) {
   for (const ControlGroup& group : found.groups) suspects.push_back({group.tags, group.chi_square});
   for (const AsBuiltTag& tag : found.tags) {
     if (tag.status != AsBuiltStatus::control && tag.status != AsBuiltStatus::contradicted) continue;
-    const double sigma = find_tag(survey, std::string_view(tag.tag))->sigma;
+    const double sigma = find_tag(survey, tag.tag)->sigma;
     suspects.push_back({{tag.tag}, shift_chi_square(tag, sigma)});
   }
   double most = chi_square_limit(3, kFarthestControl);
@@ -524,9 +524,8 @@ std::optional<AsBuiltTag> contradicted_by_others(const Survey& survey, const Rig
     if (!found || !agree(spread, *found, control)) continue;
     const auto tag = std::ranges::find(found->tags, control, &AsBuiltTag::tag);
     if (tag == found->tags.end() || tag->status != AsBuiltStatus::adjusted) return std::nullopt;
-    const bool hangs_there =
-        shift_chi_square(*tag, find_tag(survey, std::string_view(control))->sigma) <
-        chi_square_limit(3, kFarthestControl);
+    const bool hangs_there = shift_chi_square(*tag, find_tag(survey, control)->sigma) <
+                             chi_square_limit(3, kFarthestControl);
     return hangs_there ? std::nullopt : std::optional(*tag);
   }
   return std::nullopt;

@@ -101,7 +101,7 @@ Finding upside_down(const TagEvidence& seen, const std::string& how,
 }  // namespace
 
 bool hangs_upright(const Survey& survey, const VerifiedTag& tag) {
-  const PlacedTag* placed = find_tag(survey, std::string_view(tag.tag));
+  const PlacedTag* placed = find_tag(survey, tag.tag);
   return placed != nullptr && placed->world_from_plate.rotation(2, 1) < -std::numbers::sqrt2 / 2;
 }
 

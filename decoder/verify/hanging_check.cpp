@@ -7,7 +7,6 @@
 #include <iterator>
 #include <optional>
 #include <string_view>
-#include <tuple>
 #include <unordered_set>
 #include <utility>
 
@@ -89,8 +88,7 @@ std::vector<SightedTag> sighted_tags(const Survey& survey, const HangingSetup& s
       sighted.push_back({origin->station, origin->camera, to_string(*tag.digits),
                          seen_corners(tag.corners, tag.corner_covariance)});
     }
-    if (!origin || !shows_place(tag) || !tag.digits ||
-        find_tag(survey, std::string_view(tag.tag)) == nullptr ||
+    if (!origin || !shows_place(tag) || !tag.digits || find_tag(survey, tag.tag) == nullptr ||
         std::ranges::count(file.tags, tag.tag, &VerifiedTag::tag) > 1) {
       continue;
     }
@@ -164,7 +162,7 @@ std::optional<double> turned_clockwise(const Survey& survey, const RigCamera& ca
   const TagTemplate& plate = survey.tag_template;
   const auto poses = plate_poses(rays, plate.frame_inner_length, plate.frame_inner_height);
   if (!poses) return std::nullopt;
-  const PlacedTag& placed = *find_tag(survey, std::string_view(tag.tag));
+  const PlacedTag& placed = *find_tag(survey, tag.tag);
   const CenterlinePoint floor = survey.tunnel.centerline.at(placed.chainage);
   const Eigen::Vector3d floor_down = Eigen::Vector3d(floor.grade * std::sin(floor.heading),
                                                      floor.grade * std::cos(floor.heading), -1)

@@ -3,12 +3,7 @@
 // over the results of all files and written back into each.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <map>
-#include <set>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // The manifest.json that `print` writes beside its files: which tag each file must hold.
 #pragma once
 
-#include <array>
 #include <deque>
 #include <filesystem>
 #include <map>

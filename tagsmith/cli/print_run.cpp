@@ -183,7 +183,7 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
   for (const std::string& file : files) {
     record.kept_sha256[file] = earlier.at("sha256").at(file).get<std::string>();
   }
-  const PlacedTag* now = find_tag(survey, std::string_view(name));
+  const PlacedTag* now = find_tag(survey, name);
   if (is_printed) {
     tags.again.push_back(files.front());
   } else if (now == nullptr || to_string(now->digits) != tag.at("digits").get<std::string>()) {

@@ -262,7 +262,6 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
   std::vector<DrawingView> views;
   for (const PlanStrip& strip : plan_strips(survey)) {
     DrawingView view = plan_view(survey, strip);
-    view.new_row = true;
     draw_coverage(survey, plan, strip, view.sketch);
     const double from = std::max(strip.from, plan.columns.front().chainage);
     const double to = std::min(strip.to, plan.columns.back().chainage);

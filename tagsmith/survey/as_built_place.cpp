@@ -42,7 +42,7 @@ PlacedKeys measured_keys(const AsBuiltPlace& place) {
 std::string digits_text(const PlacedTag& tag) { return '"' + to_string(tag.digits) + '"'; }
 
 std::string placed_entry(const Survey& survey, const AsBuiltPlace& place) {
-  const PlacedTag& tag = *find_tag(survey, std::string_view(place.tag));
+  const PlacedTag& tag = *find_tag(survey, place.tag);
   PlacedKeys values{{"tag", tag.name}, {"side", to_string(tag.side)}};
   std::ranges::move(measured_keys(place), std::back_inserter(values));
   values.emplace_back("digits", digits_text(tag));

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <optional>
-#include <utility>
 
 #include "tagsmith/survey/edit_yaml.hpp"
 #include "tagsmith/survey/finding_log.hpp"
@@ -45,7 +44,7 @@ Result<std::string> survey_with_places(std::string_view text, const Survey& surv
   std::vector<YamlItemEdit> edits;
   std::vector<std::string> added;
   for (const AsBuiltPlace& place : places) {
-    const PlacedTag& tag = *find_tag(survey, std::string_view(place.tag));
+    const PlacedTag& tag = *find_tag(survey, place.tag);
     const auto entry = entries.find(place.tag);
     if (entry == entries.end()) {
       added.push_back(placed_entry(survey, place));
