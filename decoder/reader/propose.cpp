@@ -2,14 +2,14 @@
 #include "decoder/reader/propose.hpp"
 
 #include <algorithm>
-#include <cstdint>
 #include <deque>
 #include <limits>
 #include <ranges>
+#include <vector>
 
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/side_line.hpp"
-#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/transform.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -101,32 +101,10 @@ void propose_outlines(const SearchContext& search, const PyramidLevel& level,
   for (const Quad& quad : find_candidates(level, options)) search.consider(Outline{level, quad});
 }
 
-// The tiles of a level around these regions of bars, in pixels of the full image, as far as a frame
-// reaches. Regions as long as those that the next coarser level shows well are left to it.
-TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& at) {
-  TileMask mask{at.texture.columns, at.texture.rows,
-                std::vector<std::uint8_t>(at.texture.tiles.size())};
-  for (const BarRegion& in_full : regions) {
-    const BarRegion region = scaled(in_full, 1 / at.level.scale);
-    if (at.level.scale == 1 && region.length > kSearch.largest_frame) continue;
-    const PixelPoint right = (kFrameAround.beyond * region.length / 2 + 2 * kTile) * region.across;
-    const PixelPoint down = (kFrameAround.beyond * region.height / 2 + 2 * kTile) * region.along();
-    const PixelPoint& c = region.centre;
-    const Quad around{c - right - down, c + right - down, c + right + down, c - right + down};
-    for (int row = 0; row < mask.rows; ++row) {
-      const auto [begin, end] = tiles_in_row(around, row, mask.columns);
-      const auto first = mask.tiles.begin() + static_cast<std::ptrdiff_t>(row) * mask.columns;
-      std::fill(first + begin, first + end, std::uint8_t{1});
-    }
-  }
-  return mask;
-}
-
 // A frame around bars, in pixels of the full image, as a level shows it.
 void propose_frame_around(SearchContext& search, const PyramidLevel& level, const BarRegion& bars) {
   const BarRegion region = scaled(bars, 1 / level.scale);
   if (!has_bars(search.picture.image(), bars, kBarLines.least_bars)) return;
-  search.symbols.push_back(bars);
   if (const auto quad = frame_around(level.image, region)) search.consider(Outline{level, *quad});
 }
 
@@ -196,7 +174,7 @@ void propose_near_bars(SearchContext& search) {
 void propose_around_bars(SearchContext& search) {
   const Pyramid& pyramid = search.picture.pyramid();
   propose_frames_around(search, pyramid.scaled_down(4));
-  if (search.symbols.empty() && search.found.has_read_any()) return;
+  if (search.found.has_read_any()) return;
   propose_frames_around(search, pyramid.scaled_down(2));
   if (search.found.has_read_any()) return;
   // Bars with modules of about one pixel are visible only at full size.
@@ -207,12 +185,9 @@ void propose_around_bars(SearchContext& search) {
 }
 
 void propose_pieces(SearchContext& search) {
-  const bool everywhere = !search.found.has_read_any();
-  if (search.symbols.empty() && !everywhere) return;
+  if (search.found.has_read_any()) return;
   for (const SearchLevel& at : search.picture.pyramid().levels()) {
-    const TileMask around = tiles_around(search.symbols, at);
-    if (!everywhere && std::ranges::count(around.tiles, 1) == 0) continue;
-    propose_outlines(search, at.level, everywhere ? nullptr : &around, true);
+    propose_outlines(search, at.level, nullptr, true);
   }
 }
 

@@ -6,9 +6,7 @@
 #pragma once
 
 #include <functional>
-#include <vector>
 
-#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/searched_image.hpp"
@@ -23,8 +21,6 @@ struct SearchContext {
   const TagHypotheses& found;                     // the results of the proposals so far
   std::function<void(const Proposal&)> consider;  // reads a tag there, if there is one
   bool is_searched = false;                       // the whole picture, for outlines
-  // Bars that look like a symbol and that no reading explains so far, in pixels of the full image.
-  std::vector<BarRegion> symbols{};
 };
 
 using Proposer = void (*)(SearchContext& search);
@@ -38,7 +34,7 @@ void propose_near_bars(SearchContext& search);
 // Frames whose outline is not visible in one piece, found by the bars inside.
 void propose_around_bars(SearchContext& search);
 
-// Outlines joined of two pieces, around bars or, where nothing was read, everywhere.
+// Outlines joined of two pieces, where nothing was read.
 void propose_pieces(SearchContext& search);
 
 // Frames that were refused and may be covered, and the bars in them.

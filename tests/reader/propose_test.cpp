@@ -223,13 +223,9 @@ TEST_CASE("a frame that does not show as one piece is proposed around its bars")
   Proposed around(tag);
   propose_around_bars(around.search);
   CHECK(around.has_outline(tag.corners(), 6));
-  REQUIRE(!around.search.symbols.empty());
-  CHECK(std::ranges::any_of(around.search.symbols, [&](const BarRegion& region) {
-    return distance(region.centre, tag.region().centre) < 12;
-  }));
 }
 
-TEST_CASE("bars that show at a quarter of the size are told in pixels of the full image") {
+TEST_CASE("a frame is proposed around bars that show at a quarter of the size") {
   SeenTag tag = large_seen_aslant();
   tag.width = 1150;
   tag.height = 760;
@@ -239,8 +235,6 @@ TEST_CASE("bars that show at a quarter of the size are told in pixels of the ful
   propose_around_bars(around.search);
   // Near enough for its sides to be found: three modules.
   CHECK(around.has_outline(tag.corners(), 3 * 7.5));
-  CHECK(std::ranges::any_of(around.search.symbols,
-                            [&](const BarRegion& region) { return is_of(region, tag); }));
 }
 
 TEST_CASE("a frame that is cut in two is proposed as its pieces joined") {
@@ -254,7 +248,7 @@ TEST_CASE("a frame that is cut in two is proposed as its pieces joined") {
   CHECK(joined.has_outline(tag.corners(), 6));
 }
 
-TEST_CASE("where something was read pieces are joined around bars that are like a symbol alone") {
+TEST_CASE("where something was read no pieces are joined") {
   const SeenTag tag = large_seen_aslant();
   Proposed proposed(tag);
   proposed.read(tag);
