@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "decoder/feature_frame/bar_regions.hpp"
@@ -15,7 +16,9 @@
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/elastic_scan.hpp"
+#include "decoder/scan/explanation.hpp"
 #include "decoder/scan/running.hpp"
+#include "decoder/scan/symbol_search.hpp"
 #include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -133,84 +136,31 @@ struct CodeConsensus {
   double probability = 0;
 };
 
-double cost_of(const Evidence& evidence, const Digits& digits) {
-  double cost = 0;
-  for (std::size_t i = 0; i < kDigitCount; ++i) cost += evidence.cost[i][digits[i]];
-  return cost;
-}
-
-// What a digit adds to the sum that is 0 modulo 10 for valid symbols.
-std::size_t check_term(CheckDigit scheme, std::size_t position, std::size_t digit) {
-  if (scheme == CheckDigit::gs1) return (position % 2 == 0 ? 3 : 1) * digit % 10;
-  return position + 1 == kDigitCount ? (10 - digit) % 10 : digit;
-}
-
-// Codes whose check digit holds: the best of them, and exp(-cost) summed over them all.
-struct ValidCodes {
-  Digits best{};
-  double cost = 0;
-  double mass = 0;
-};
-
-ValidCodes valid_codes(const Evidence& evidence, CheckDigit scheme) {
-  struct Cell {
-    double cost = std::numeric_limits<double>::infinity();
-    double mass = 0;
-    Digits digits{};
-  };
-  std::array<Cell, 10> sums;
-  sums[0] = {0, 1, {}};
+// What the evidence costs each symbol; no other characters than digits are compared.
+CharacterCosts costs_of(const Evidence& evidence) {
+  constexpr double kNever = 1e6;
+  CharacterCosts costs{};
   for (std::size_t i = 0; i < kDigitCount; ++i) {
-    std::array<Cell, 10> next;
-    for (std::size_t sum = 0; sum < 10; ++sum) {
-      for (std::size_t digit = 0; digit < 10; ++digit) {
-        Cell& cell = next[(sum + check_term(scheme, i, digit)) % 10];
-        const double cost = sums[sum].cost + evidence.cost[i][digit];
-        cell.mass += sums[sum].mass * std::exp(-evidence.cost[i][digit]);
-        if (cost >= cell.cost) continue;
-        cell.cost = cost;
-        cell.digits = sums[sum].digits;
-        cell.digits[i] = static_cast<std::uint8_t>(digit);
-      }
-    }
-    sums = next;
+    costs.alone[i].fill(kNever);
+    for (std::size_t d = 0; d < 10; ++d) costs.alone[i][d] = 2 * evidence.cost[i][d];
   }
-  return {sums[0].digits, sums[0].cost, sums[0].mass};
+  return costs;
 }
 
-double mass_of_all_codes(const Evidence& evidence) {
-  double product = 1;
-  for (const auto& costs : evidence.cost) {
-    double sum = 0;
-    for (const double cost : costs) sum += std::exp(-cost);
-    product *= sum;
-  }
-  return product;
-}
-
-// As for framed symbols (decoder/scan/decode.cpp, posterior): against the other codes that may
+// As for framed symbols (decoder/scan/decode.cpp, doubt_about): against the other codes that may
 // exist and, with a small prior, all 10^12.
 CodeConsensus consensus_of(const Evidence& evidence, const DecodeOptions& options) {
   constexpr double kAllSymbols = 1e12;
-  double code_count = 1e11;
-  ValidCodes codes;
-  if (options.code_book.empty()) {
-    codes = valid_codes(evidence, options.check.value_or(CheckDigit::gs1));
-  } else {
-    code_count = static_cast<double>(options.code_book.size());
-    codes.cost = std::numeric_limits<double>::infinity();
-    for (const Digits& digits : options.code_book) {
-      const double cost = cost_of(evidence, digits);
-      codes.mass += std::exp(-cost);
-      if (cost >= codes.cost) continue;
-      codes.cost = cost;
-      codes.best = digits;
-    }
-  }
-  const double own = std::exp(-codes.cost);
-  const double rivals = (codes.mass - own) / own + kOdds.wrong_check * code_count / kAllSymbols *
-                                                       (mass_of_all_codes(evidence) - own) / own;
-  return {codes.best, 1 / (1 + std::max(0.0, rivals))};
+  const auto besides = [](double sum) { return std::max(0.0, sum - 1); };
+  const std::span<const Digits> book = options.code_book;
+  const CharacterCosts costs = costs_of(evidence);
+  const BestSymbol best = best_of(costs, options);
+  const double codes = book.empty() ? sum_of_codes(costs, best, schemes_of(options).front())
+                                    : sum_of_codes(costs, best, book);
+  const double code_count = book.empty() ? 1e11 : static_cast<double>(book.size());
+  const double rivals = besides(codes) + kOdds.wrong_check * code_count / kAllSymbols *
+                                             besides(sum_of_symbols(costs, best, {1, 0}));
+  return {digits_of(best.characters), 1 / (1 + rivals)};
 }
 
 // True when three digits of the left half suit even parity: EAN-13 with a leading digit other
