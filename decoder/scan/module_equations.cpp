@@ -18,124 +18,50 @@ namespace tagsmith::detail {
 
 namespace {
 
-constexpr std::size_t kModules = DigitModules::kModules;
-constexpr std::size_t kDigits = 10;
+using Modules = DigitModules::Modules;
+using Square = DigitModules::Square;
 
-// Several digits side by side.
-constexpr std::size_t kDigitLanes = 4;
-static_assert(kDigitCount % kDigitLanes == 0);
-using Lanes = Eigen::Array<double, kDigitLanes, 1>;
-using Modules = std::array<Lanes, kModules>;
-using Block = std::array<Modules, kModules>;
+Modules modules_of(bool right_half, std::size_t digit) {
+  const auto& modules = modules_of_character(right_half, digit);
+  return Eigen::Map<const Eigen::Vector<std::uint8_t, kModulesPerDigit>>(modules.data())
+      .cast<double>();
+}
 
-struct SideBySide {
-  Modules residuals;
-  Block products;
-  std::array<Modules, kDigits> changes;  // of each digit's modules from these
+// Modules that may differ by so much from those of a digit.
+class Freed {
+ public:
+  Freed(const Square& products, double sigma)
+      : information_(products + 1 / (sigma * sigma) * Square::Identity()),
+        log_volume_(-(sigma * information_.matrixLLT().diagonal().array()).log().sum()) {}
+
+  // Logarithm of the likelihood of residuals, without their cost where no module is free.
+  double log_likelihood(const Modules& residuals) const {
+    return information_.matrixL().solve(residuals).squaredNorm() / 2 + log_volume_;
+  }
+
+ private:
+  Eigen::LLT<Square> information_;
+  double log_volume_;  // the share that they fill of the volume that they might
 };
 
-SideBySide side_by_side(const std::array<DigitModules, kDigitCount>& modules,
-                        const Characters& digits, std::size_t first) {
-  SideBySide lanes;
-  for (std::size_t k = 0; k < kDigitLanes; ++k) {
-    const std::size_t position = first + k;
-    const auto lane = static_cast<Eigen::Index>(k);
-    const bool right_half = position >= 6;
-    const auto& own = modules_of_character(right_half, digits[position]);
-    for (std::size_t i = 0; i < kModules; ++i) {
-      lanes.residuals[i][lane] = modules[position].residuals[i];
-      for (std::size_t j = 0; j < kModules; ++j) {
-        lanes.products[i][j][lane] = modules[position].products[i][j];
-      }
-    }
-    for (std::size_t other = 0; other < kDigits; ++other) {
-      const auto& others = modules_of_character(right_half, other);
-      for (std::size_t i = 0; i < kModules; ++i) {
-        lanes.changes[other][i][lane] =
-            static_cast<double>(others[i]) - static_cast<double>(own[i]);
-      }
-    }
-  }
-  return lanes;
-}
-
-// The modules when they may differ by so much: the lower factor of the information on them, and the
-// logarithm of the share that they fill of the volume that they might.
-struct Freed {
-  Block lower;
-  Modules per_diagonal;
-  Lanes log_volume;
-};
-
-Freed free_modules(const Block& products, double sigma) {
-  Freed freed;
-  Lanes spread = Lanes::Ones();
-  for (std::size_t j = 0; j < kModules; ++j) {
-    Lanes square = products[j][j] + 1 / (sigma * sigma);
-    for (std::size_t k = 0; k < j; ++k) square -= freed.lower[j][k] * freed.lower[j][k];
-    const Lanes diagonal = square.sqrt();
-    spread *= sigma * diagonal;
-    freed.per_diagonal[j] = 1 / diagonal;
-    for (std::size_t i = j + 1; i < kModules; ++i) {
-      Lanes sum = products[i][j];
-      for (std::size_t k = 0; k < j; ++k) sum -= freed.lower[i][k] * freed.lower[j][k];
-      freed.lower[i][j] = sum * freed.per_diagonal[j];
-    }
-  }
-  freed.log_volume = -spread.log();
-  return freed;
-}
-
-// Logarithm of the likelihood of residuals, without their cost where no module is free.
-Lanes log_freed(const Freed& freed, const Modules& residuals) {
-  Modules solved;
-  Lanes square = Lanes::Zero();
-  for (std::size_t i = 0; i < kModules; ++i) {
-    Lanes value = residuals[i];
-    for (std::size_t k = 0; k < i; ++k) value -= freed.lower[i][k] * solved[k];
-    solved[i] = value * freed.per_diagonal[i];
-    square += solved[i] * solved[i];
-  }
-  return square / 2 + freed.log_volume;
-}
-
-// Logarithms of likelihoods relative to the digit itself, all even.
-struct LogLikelihoods {
-  Lanes even, uneven, corrupted;       // the digit
-  std::array<Lanes, kDigits> changed;  // other digits, corrupted
-};
-
-LogLikelihoods log_likelihoods(const SideBySide& digits) {
-  LogLikelihoods logs;
-  logs.even = log_freed(free_modules(digits.products, kOdds.even_sigma), digits.residuals);
-  logs.uneven = log_freed(free_modules(digits.products, kOdds.uneven_sigma), digits.residuals);
-  const Freed corrupted = free_modules(digits.products, kOdds.corrupted_sigma);
-  logs.corrupted = log_freed(corrupted, digits.residuals);
-  for (std::size_t other = 0; other < kDigits; ++other) {
-    const Modules& change = digits.changes[other];
-    Modules left;
-    Lanes cost = Lanes::Zero();
-    for (std::size_t i = 0; i < kModules; ++i) {
-      Lanes pull = Lanes::Zero();
-      for (std::size_t j = 0; j < kModules; ++j) pull += digits.products[i][j] * change[j];
-      left[i] = digits.residuals[i] - pull;
-      cost += change[i] * (pull - 2 * digits.residuals[i]);
-    }
-    logs.changed[other] = log_freed(corrupted, left) - cost / 2;
-  }
-  return logs;
-}
-
-double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t digit) {
-  const double log_even = logs.even[lane];
-  const double log_uneven = std::log(kOdds.uneven) + logs.uneven[lane];
-  const double log_spoilt = std::log(kOdds.corrupted) + logs.corrupted[lane];
-  const double greatest = std::max({log_even, log_uneven, log_spoilt});
-  const double right = std::exp(log_even - greatest) + std::exp(log_uneven - greatest) +
-                       std::exp(log_spoilt - greatest);
-  double wrong = 0;
-  for (std::size_t other = 0; other < kDigits; ++other) {
-    if (other != digit) wrong += kOdds.corrupted * std::exp(logs.changed[other][lane] - greatest);
+double odds_against(const DigitModules& seen, bool right_half, std::size_t digit) {
+  const Freed corrupted(seen.products, kOdds.corrupted_sigma);
+  // All relative to the digit itself with its modules even.
+  const std::array<double, 3> logs{
+      Freed(seen.products, kOdds.even_sigma).log_likelihood(seen.residuals),
+      Freed(seen.products, kOdds.uneven_sigma).log_likelihood(seen.residuals) +
+          std::log(kOdds.uneven),
+      corrupted.log_likelihood(seen.residuals) + std::log(kOdds.corrupted)};
+  const double greatest = std::ranges::max(logs);
+  double right = 0, wrong = 0;
+  for (const double log : logs) right += std::exp(log - greatest);
+  for (std::size_t other = 0; other < 10; ++other) {
+    if (other == digit) continue;
+    const Modules change = modules_of(right_half, other) - modules_of(right_half, digit);
+    const Modules pull = seen.products * change;
+    const double cost = change.dot(pull - 2 * seen.residuals);
+    wrong += kOdds.corrupted *
+             std::exp(corrupted.log_likelihood(seen.residuals - pull) - cost / 2 - greatest);
   }
   return wrong / right;
 }
@@ -144,18 +70,15 @@ double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t d
 // would leave in the two thirds of digits with the least. Nothing where almost nothing of the digit
 // is seen.
 std::optional<double> unexplained_by(const DigitModules& digit) {
-  using Square = Eigen::Matrix<double, kModules, kModules, Eigen::RowMajor>;
   constexpr double kLeastDegrees = 1;
-  const Eigen::Map<const Square> products(digit.products.front().data());
-  const Eigen::Map<const Eigen::Vector<double, kModules>> residuals(digit.residuals.data());
-  Square free = products;
+  Square free = digit.products;
   free.diagonal().array() += 1 / (kOdds.corrupted_sigma * kOdds.corrupted_sigma);
   const Eigen::LLT<Square> factors(free);
-  const double degrees = factors.solve(products).trace();
+  const double degrees = factors.solve(digit.products).trace();
   if (!(degrees > kLeastDegrees)) return std::nullopt;
   // The mean of the lesser two thirds of chi-square variables over their degrees of freedom.
   const double expected = 1 - 0.745 / std::sqrt(degrees);
-  return residuals.dot(factors.solve(residuals)) / degrees / expected;
+  return digit.residuals.dot(factors.solve(digit.residuals)) / degrees / expected;
 }
 
 // The noise in the modules of digits, at least 1: the part that most digits leave unexplained there
@@ -174,29 +97,16 @@ double noise_of_free_modules(const std::array<DigitModules, kDigitCount>& digits
   return std::max(1.0, sum / static_cast<double>(clear));
 }
 
-std::array<DigitModules, kDigitCount> with_noise(std::array<DigitModules, kDigitCount> digits,
-                                                 double noise) {
-  for (DigitModules& digit : digits) {
-    for (double& residual : digit.residuals) residual /= noise;
-    for (auto& row : digit.products) {
-      for (double& product : row) product /= noise;
-    }
-  }
-  return digits;
-}
-
 }  // namespace
 
 // Why: docs/decisions/0003-confidence-and-refusal.md.
 std::array<double, kDigitCount> odds_of_corrupted_digits(
     const std::array<DigitModules, kDigitCount>& seen, const Characters& digits) {
-  const std::array<DigitModules, kDigitCount> modules =
-      with_noise(seen, noise_of_free_modules(seen));
+  const double noise = noise_of_free_modules(seen);
   std::array<double, kDigitCount> odds{};
-  for (std::size_t first = 0; first < kDigitCount; first += kDigitLanes) {
-    const LogLikelihoods logs = log_likelihoods(side_by_side(modules, digits, first));
-    for (std::size_t k = 0; k < kDigitLanes; ++k)
-      odds[first + k] = odds_against(logs, static_cast<Eigen::Index>(k), digits[first + k]);
+  for (std::size_t i = 0; i < kDigitCount; ++i) {
+    const DigitModules modules{seen[i].residuals / noise, seen[i].products / noise};
+    odds[i] = odds_against(modules, i >= kDigitCount / 2, digits[i]);
   }
   return odds;
 }
@@ -520,7 +430,7 @@ std::array<double, kDigitCount> ModuleNormalEquations::odds_of_corrupted_digits(
         const std::size_t b = base + 2 * j;
         const double shared =
             static_cast<double>(gram(a, b)) - static_cast<double>(pull_[a].dot(pull_[b]));
-        digit.products[i][j] = digit.products[j][i] = shared;
+        digit.products(i, j) = digit.products(j, i) = shared;
       }
     }
   }

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "decoder/scan/characters.hpp"
 #include "decoder/scan/module_light.hpp"
 #include "decoder/scan/profile.hpp"
@@ -18,9 +20,10 @@ namespace tagsmith::detail {
 // A digit's profile as a quadratic function of the darkness of its modules. The growth of the edges
 // stays unchanged: an effect of one edge alone must not support a digit without it.
 struct DigitModules {
-  static constexpr std::size_t kModules = kModulesPerDigit;
-  std::array<double, kModules> residuals{};                       // the residuals of the digit
-  std::array<std::array<double, kModules>, kModules> products{};  // of the modules' light
+  using Modules = Eigen::Vector<double, kModulesPerDigit>;
+  using Square = Eigen::Matrix<double, kModulesPerDigit, kModulesPerDigit>;
+  Modules residuals = Modules::Zero();  // of the digit
+  Square products = Square::Zero();     // of the modules' light
 };
 
 // For each of the digits, all of them of 0 to 9, the odds that it is another.
