@@ -536,12 +536,6 @@ std::optional<ElasticReading> read_elastic(const PlacedLine& line, const BarTemp
   return reading;
 }
 
-std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
-                                           const BarTemplates& templates, double worst) {
-  const auto placed = placed_line(line, place);
-  return placed ? read_elastic(*placed, templates, worst) : std::nullopt;
-}
-
 std::optional<ElasticAlignment> align_elastic(const PlacedLine& line, const BarTemplates& templates,
                                               double worst) {
   const Chain chain(line.darkness, templates, nullptr, Chain::Keep::best, worst);

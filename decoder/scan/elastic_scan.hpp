@@ -67,12 +67,10 @@ struct ElasticReading {
 inline constexpr double kAnyCost = 1e6;
 
 // Reads the symbol near the line's place: its boundaries may lie 5 modules from where the place's
-// even modules put them, its local module width may vary by a ninth. Nothing when the place does
-// not fit on the line, or, detected early, when the reading costs more than `worst` per module.
+// even modules put them, its local module width may vary by a ninth. Nothing, detected early, when
+// the reading costs more than `worst` per module.
 std::optional<ElasticReading> read_elastic(const PlacedLine& line, const BarTemplates& templates,
                                            double worst = kAnyCost);
-std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
-                                           const BarTemplates& templates, double worst = kAnyCost);
 
 // The cost per module of that reading alone, in a third of the time; very large when it is more
 // than `worst`.

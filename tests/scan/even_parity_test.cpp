@@ -42,7 +42,9 @@ TEST_CASE("a digit of even parity is told in the left half by what it saves, whi
     Digits digits = *parse_digits("019000700401");
     const std::size_t position = digit % 6U;
     digits[position] = digit;
-    const auto reading = read_elastic(line_with_even_digit(digits, position), place, templates);
+    const auto placed = placed_line(line_with_even_digit(digits, position), place);
+    REQUIRE(placed);
+    const auto reading = read_elastic(*placed, templates);
     REQUIRE(reading);
     for (std::size_t i = 0; i < 6; ++i) {
       CAPTURE(i);

@@ -437,7 +437,9 @@ TEST_CASE("a line that is registered roughly is read with its digits' rivals") {
   const BarTemplates templates({0.5, 0});
   // Two modules and two percent off.
   const SymbolPlace rough{128, 1.02 * kModule, 0};
-  const auto reading = read_elastic(line, rough, templates);
+  const auto placed = placed_line(line, rough);
+  REQUIRE(placed);
+  const auto reading = read_elastic(*placed, templates);
   REQUIRE(reading);
   CHECK(reading->digits == kDigits);
   CHECK(reading->alignment.cost_per_module < 2);
@@ -449,8 +451,6 @@ TEST_CASE("a line that is registered roughly is read with its digits' rivals") {
       if (d != kDigits[i]) CHECK(reading->extra_cost[i][d] > 3);
     }
   }
-  const auto placed = placed_line(line, rough);
-  REQUIRE(placed);
   CHECK(elastic_cost(*placed, templates) ==
         doctest::Approx(reading->alignment.cost_per_module).epsilon(1e-3));
   const auto known = align_elastic(line, rough, templates, kDigits);
@@ -458,5 +458,5 @@ TEST_CASE("a line that is registered roughly is read with its digits' rivals") {
   for (std::size_t i = 0; i < known->boundaries.size(); ++i) {
     CHECK(known->boundaries[i] == doctest::Approx(reading->alignment.boundaries[i]).epsilon(1e-3));
   }
-  CHECK(!read_elastic(line, {600, kModule, 0}, templates));
+  CHECK(!placed_line(line, {600, kModule, 0}));
 }
