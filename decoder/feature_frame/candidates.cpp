@@ -125,19 +125,6 @@ void label_row(RunMap& map, std::size_t y) {
   }
 }
 
-// Adds a white row below one that is white too: only the region's extent changes. False where the
-// row above is not white.
-bool repeat_white_row(RunMap& map, int y) {
-  const std::size_t count = map.begins.size();
-  if (y == 0 || count - map.first_of_row[static_cast<std::size_t>(y) - 1] != 2) return false;
-  const std::uint32_t label = map.labels[count - 2];
-  if (label == kNone) return false;
-  map.extents[root_of(map.parents, label)].bottom = y;
-  map.begins.insert(map.begins.end(), {0, map.begins.back()});
-  map.labels.insert(map.labels.end(), {label, kNone});
-  return true;
-}
-
 RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   TileThresholds thresholds =
       tile_thresholds(tile_extremes(image, options.searched), options.min_contrast);
@@ -155,7 +142,6 @@ RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   for (int y = 0; y < image.height; ++y) {
     map.first_of_row.push_back(map.begins.size());
     const auto [begin, end] = dark.used[static_cast<std::size_t>(y / kTile)];
-    if (begin == end && repeat_white_row(map, y)) continue;
     append_runs({dark.row(y) + begin, end - begin}, static_cast<int>(begin) * 64, image.width, row,
                 map.begins);
     label_row(map, static_cast<std::size_t>(y));
@@ -281,18 +267,7 @@ struct Piece {
   bool white = false;
   std::vector<PixelPoint> hull;
   double area = 0;
-  PixelPoint middle;  // of its extent
 };
-
-// A lower limit for the area of the hull of two pieces: the area between their points that lie
-// farthest to either side of the line through their middles.
-double least_area_around(const Piece& a, const Piece& b) {
-  const PixelPoint way = b.middle - a.middle;
-  const auto across = [&](const PixelPoint& point) { return cross(way, point); };
-  const auto [right_a, left_a] = std::ranges::minmax_element(a.hull, {}, across);
-  const auto [right_b, left_b] = std::ranges::minmax_element(b.hull, {}, across);
-  return std::abs(cross(*left_b - *right_a, *left_a - *right_b)) / 2;
-}
 
 // Quadrilaterals around two pieces of one colour: a cable in front of a frame cuts it in two.
 std::vector<Quad> joined_candidates(std::vector<Piece> pieces, const FrameShape& shape) {
@@ -303,10 +278,6 @@ std::vector<Quad> joined_candidates(std::vector<Piece> pieces, const FrameShape&
     for (std::size_t j = i + 1; j < pieces.size(); ++j) {
       if (pieces[i].white != pieces[j].white) continue;
       const double sum = pieces[i].area + pieces[j].area;
-      // Most are too far apart, which four points show as surely as the hull does.
-      constexpr double kRounding = 1 + 1e-9;
-      if (least_area_around(pieces[i], pieces[j]) > kCandidate.most_empty * sum * kRounding)
-        continue;
       std::vector<PixelPoint> points = pieces[i].hull;
       points.insert(points.end(), pieces[j].hull.begin(), pieces[j].hull.end());
       const std::vector<PixelPoint> hull = convex_hull(std::move(points));
@@ -354,8 +325,7 @@ std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOpti
     }
     if (!options.join_pieces) continue;
     const double area = area_of(region.hull);
-    const PixelPoint middle{(region.left + region.right) / 2.0, (region.top + region.bottom) / 2.0};
-    pieces.push_back({region.white, std::move(region.hull), area, middle});
+    pieces.push_back({region.white, std::move(region.hull), area});
   }
   std::ranges::move(joined_candidates(std::move(pieces), options.shape),
                     std::back_inserter(candidates));
