@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 
@@ -125,22 +126,7 @@ SightModel::SightModel(const Survey& survey, const Rig& rig, ReadShare share)
   module_ = module_width(tag);
   half_length_ = tag.frame_inner_length / 2;
   half_height_ = tag.frame_inner_height / 2;
-  const double plate_left =
-      (tag.frame_inner_length - tag.plate_length) / 2 - tag.frame_offset_right;
-  for (const PlacedTag& placed : survey.tags) {
-    const Pose& pose = placed.world_from_plate;
-    Plate plate;
-    plate.middle = pose * Vector3d(tag.frame_inner_length / 2, tag.frame_inner_height / 2, 0);
-    plate.right = pose.rotation.col(0);
-    plate.down = pose.rotation.col(1);
-    plate.normal = pose.rotation.col(2);
-    for (const double x : {plate_left, plate_left + tag.plate_length}) {
-      const Vector3d corner = pose * Vector3d(x, 0, 0);
-      const CenterlineAddress address = survey.tunnel.centerline.locate(corner.head<2>());
-      plate.depth = std::max(plate.depth, behind_wall(survey.tunnel, placed.side, address));
-    }
-    plates_.push_back(plate);
-  }
+  for (const PlacedTag& placed : survey.tags) plates_.push_back(make_plate(placed));
   order_.resize(plates_.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});
   std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return survey.tags[i].chainage; });
@@ -150,6 +136,34 @@ SightModel::SightModel(const Survey& survey, const Rig& rig, ReadShare share)
     reach_ = std::max(reach_, lenses_.back().magnification * module_ / book_.least_module_px());
   }
   reach_ = std::min(reach_, kFarthestSight);
+}
+
+SightModel::Plate SightModel::make_plate(const PlacedTag& placed) const {
+  // A plate whose corner is farther before its wall than plates on even walls are may hide others.
+  constexpr double kStandsOut = 0.03;  // metres
+  const TagTemplate& tag = survey_->tag_template;
+  const Pose& pose = placed.world_from_plate;
+  Plate plate;
+  plate.middle = pose * Vector3d(half_length_, half_height_, 0);
+  plate.right = pose.rotation.col(0);
+  plate.down = pose.rotation.col(1);
+  plate.normal = pose.rotation.col(2);
+  plate.centre =
+      plate.middle - tag.frame_offset_right * plate.right + tag.frame_offset_up * plate.down;
+  const auto behind = [&](const Vector3d& point) {
+    return behind_wall(survey_->tunnel, placed.side,
+                       survey_->tunnel.centerline.locate(point.head<2>()));
+  };
+  for (const double x : {-0.5, 0.5}) {
+    const Vector3d end = plate.centre + x * tag.plate_length * plate.right;
+    plate.depth =
+        std::max(plate.depth, behind(end + (pose.translation - end).dot(plate.down) * plate.down));
+    for (const double y : {-0.5, 0.5}) {
+      plate.stands_out =
+          plate.stands_out || behind(end + y * tag.plate_height * plate.down) < -kStandsOut;
+    }
+  }
+  return plate;
 }
 
 SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
@@ -239,6 +253,11 @@ Surroundings SightModel::surroundings(double first, double last) const {
   }
   const FloorAndRoof floor_and_roof(survey_->tunnel, middle, reach);
   if (!floor_and_roof.is_even()) around.floor_and_roof = floor_and_roof;
+  const auto [begin, end] = tags_between(first - reach, last + reach);
+  std::copy_if(order_.begin() + static_cast<std::ptrdiff_t>(begin),
+               order_.begin() + static_cast<std::ptrdiff_t>(end),
+               std::back_inserter(around.standing_out),
+               [&](std::size_t tag) { return plates_[tag].stands_out; });
   return around;
 }
 
@@ -315,11 +334,34 @@ bool SightModel::is_behind(const FloorAndRoof& floor_and_roof, const CameraStand
   return false;
 }
 
+// The lines of sight to the frame's corners, to its middle and to places between them.
+bool SightModel::is_behind(const Plate& other, const CameraStand& stand, const Plate& plate) const {
+  const TagTemplate& tag = survey_->tag_template;
+  const double before = other.normal.dot(other.centre - stand.centre);
+  for (const double x : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      const Vector3d way = plate.middle + x * half_length_ * plate.right +
+                           y * half_height_ * plate.down - stand.centre;
+      const double share = before / other.normal.dot(way);
+      if (!(share > 0 && share < 1 - 1e-6)) continue;
+      const Vector3d hit = stand.centre + share * way - other.centre;
+      if (std::abs(hit.dot(other.right)) < tag.plate_length / 2 &&
+          std::abs(hit.dot(other.down)) < tag.plate_height / 2) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 bool SightModel::is_hidden(const Surroundings& around, const CameraStand& stand,
                            std::size_t tag) const {
   const Plate& plate = plates_[tag];
   return (around.walls && is_behind(*around.walls, stand, plate)) ||
-         (around.floor_and_roof && is_behind(*around.floor_and_roof, stand, plate));
+         (around.floor_and_roof && is_behind(*around.floor_and_roof, stand, plate)) ||
+         std::ranges::any_of(around.standing_out, [&](std::size_t other) {
+           return other != tag && is_behind(plates_[other], stand, plate);
+         });
 }
 
 // The effective width of the modules: those at the farther end of the frame, by its strokes and

@@ -37,10 +37,12 @@ struct CameraStand {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // rotation vector, radians
 };
 
-// The surfaces that may lie between a camera and a plate; nothing where none can.
+// What may lie between a camera and a plate; nothing where nothing can.
 struct Surroundings {
   std::optional<TunnelWalls> walls = {};
   std::optional<FloorAndRoof> floor_and_roof = {};
+  std::vector<std::size_t> standing_out =
+      {};  // plates that stand out of their wall, of survey.tags
 };
 
 // A plate of which all that the feature frame encloses is in the image and in the open, of a size
@@ -109,7 +111,9 @@ class SightModel {
     Eigen::Vector3d right;   // unit vectors of the plate
     Eigen::Vector3d down;
     Eigen::Vector3d normal;  // into the wall
+    Eigen::Vector3d centre;  // of the plate
     double depth = 0;        // that its corner lies behind its plane of plates
+    bool stands_out = false;
   };
   struct Lens {
     bool is_pinhole = true;  // projects straight lines to straight lines
@@ -121,6 +125,7 @@ class SightModel {
     double blur_px = 0;
   };
 
+  Plate make_plate(const PlacedTag& placed) const;
   Lens make_lens(const RigCamera& camera) const;
   bool may_be_hidden_between(double low, double high) const;
   double standoff_between(double low, double high) const;
@@ -142,6 +147,7 @@ class SightModel {
   bool is_behind(const TunnelWalls& walls, const CameraStand& stand, const Plate& plate) const;
   bool is_behind(const FloorAndRoof& floor_and_roof, const CameraStand& stand,
                  const Plate& plate) const;
+  bool is_behind(const Plate& other, const CameraStand& stand, const Plate& plate) const;
 
   const Survey* survey_;
   const Rig* rig_;

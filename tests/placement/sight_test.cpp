@@ -17,13 +17,17 @@ using namespace tagsmith::detail::test;
 
 namespace {
 
+ScenePlate scene_plate(const Survey& survey, const RigCamera& camera,
+                       const Pose& world_from_vehicle, std::size_t tag) {
+  const Pose camera_from_plate =
+      inverse(world_from_vehicle * camera.vehicle_from_camera) * survey.tags[tag].world_from_plate;
+  return {draw_tag(survey.tag_template, survey.tags[tag].digits), camera_from_plate, {}};
+}
+
 // What the simulation, which shares no code with the planner's sight, says of the plate.
 PlateTruth truth_of(const Survey& survey, const RigCamera& camera, const Pose& world_from_vehicle,
                     std::size_t tag) {
-  const Pose camera_from_plate =
-      inverse(world_from_vehicle * camera.vehicle_from_camera) * survey.tags[tag].world_from_plate;
-  const ScenePlate plate{
-      draw_tag(survey.tag_template, survey.tags[tag].digits), camera_from_plate, {}};
+  const ScenePlate plate = scene_plate(survey, camera, world_from_vehicle, tag);
   return plate_truths(camera.camera, std::span(&plate, 1)).front();
 }
 
@@ -146,6 +150,35 @@ TEST_CASE("the inner wall of a bend hides what lies behind it") {
   }
   CHECK(open >= 1);
   CHECK(hidden >= 1);
+}
+
+TEST_CASE("a plate on a pillar hides what the simulation hides behind it") {
+  Survey survey = straight_survey(10, 8);
+  const PlateAttitude attitude{radians(150), 0, 0};
+  survey.tags.push_back(place_surveyed(survey, {900, Side::left}, {-0.5, 5, 0.45}, attitude));
+  const Rig rig = crawler();
+  const SightModel model(survey, rig);
+  const Surroundings around = model.surroundings(0, 8);
+  REQUIRE(around.standing_out == std::vector{survey.tags.size() - 1});
+  int open = 0;
+  int hidden = 0;
+  from_drawn_poses(
+      model, [&](const Pose& pose, std::size_t c, const CameraStand& stand, std::size_t tag) {
+        if (!model.look(c, stand, tag, {})) return;
+        std::vector<ScenePlate> plates;
+        for (std::size_t i = 0; i < survey.tags.size(); ++i) {
+          plates.push_back(scene_plate(survey, rig.cameras[c], pose, i));
+        }
+        const double visible = plate_truths(rig.cameras[c].camera, plates)[tag].visible_fraction;
+        const bool in_open = model.look(c, stand, tag, around).has_value();
+        CHECK(model.shows_part(c, stand, tag, around, 0) <= in_open);
+        ++(in_open ? open : hidden);
+        // Between the lines of sight that are tried, a corner of the other plate may hide a little.
+        CHECK((in_open ? visible > 0.95 : visible < 1));
+      });
+  CHECK(open > 300);
+  CHECK(hidden > 20);
+  CHECK(SightModel(straight_survey(10, 8), rig).surroundings(0, 8).standing_out.empty());
 }
 
 TEST_CASE("the picture smears by speed, exposure and nearness") {
