@@ -10,8 +10,10 @@
 #include <utility>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith::detail {
@@ -219,6 +221,23 @@ void check_faces_room(const Survey& survey, const SourcedTag& entry, FindingLog&
   }
 }
 
+// Whether a plate on a wall leans as no wall does that a plate hangs on.
+void check_tilt(const Survey& survey, const SourcedTag& entry, FindingLog& log) {
+  constexpr double kSteep = radians(30);  // shoulders of arched drives, at the height of plates
+  const PlacedTag& tag = entry.tag;
+  if (!tag.attitude || std::abs(tag.attitude->tilt) <= kSteep ||
+      is_turned_from_wall(survey.tunnel, survey.tag_template, tag)) {
+    return;
+  }
+  log.warning(entry.place, "steep-tilt",
+              fmt::format("tag {} leans {} degrees out of the vertical, expected at most {} on a "
+                          "wall",
+                          tag.name, format_number(degrees(std::abs(tag.attitude->tilt)), 1),
+                          format_number(degrees(kSteep), 0)),
+              "tilt is 0 for a plate that hangs plumb, positive where its upper edge leans out of "
+              "the wall");
+}
+
 // The place of the middle of the frame's upper edge.
 CenterlineAddress middle_of(const Survey& survey, const PlacedTag& tag) {
   const Eigen::Vector3d middle =
@@ -373,6 +392,7 @@ void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags,
           entry.tag.attitude && behind_wall(survey.tunnel, entry.tag.side, middle) < -kOffWall;
       check_on_wall(survey, entry, middle, log);
       check_faces_room(survey, entry, log);
+      check_tilt(survey, entry, log);
       if (!step.empty() && !stands_free) log.warning(entry.place, "wall-step", step, kStepHint);
     } else {
       series_place = entry.place;

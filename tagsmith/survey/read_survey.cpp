@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <Eigen/Core>
+#include <fmt/format.h>
 
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/file.hpp"
@@ -121,6 +122,19 @@ std::optional<PlateAttitude> read_attitude(const MapReader& map) {
   return attitude;
 }
 
+// A standard deviation that says less of a plate's place than validate asks of it.
+std::optional<double> read_sigma(const MapReader& map) {
+  const std::optional<double> sigma = map.number_if_there("sigma", between(0, kWorstSigma, "m"));
+  if (sigma && *sigma > kOffWall) {
+    map.log().warning(map.find("sigma")->place, "large-sigma",
+                      fmt::format("{} is {} m: no position will be better, and a plate is told to "
+                                  "be off its wall from {} m on",
+                                  map.name_of("sigma"), format_number(*sigma), kOffWall),
+                      "a standard deviation in metres: a tape has 0.005, a total station 0.002");
+  }
+  return sigma;
+}
+
 std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::string& label,
                                              const std::optional<CheckDigit>& check,
                                              FindingLog& log) {
@@ -134,7 +148,7 @@ std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::st
       read_point(map.need("p", "p: [x, y, z] of corner P"), map.name_of("p"), kFarthest, log);
   PlacedEntry entry;
   entry.digits = read_digits(map.find("digits"), map.name_of("digits"), check, log);
-  entry.sigma = map.number_if_there("sigma", between(0, kWorstSigma, "m"));
+  entry.sigma = read_sigma(map);
   entry.date = read_date(map.find("date"), map.name_of("date"), log);
   entry.design_in_grid = read_point(map.find("design"), map.name_of("design"), kFarthest, log);
   entry.control = read_bool(map.find("control"), map.name_of("control"), log).value_or(false);
@@ -417,7 +431,7 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
   const auto tag_template = read_named_template(tags, path.parent_path());
   survey.series = read_series(tags, file.has("placed"), tag_template);
   survey.states_sigma = tags.has("sigma");
-  survey.sigma = tags.number_or("sigma", kUsualSigma, between(0, kWorstSigma, "m"));
+  survey.sigma = read_sigma(tags).value_or(kUsualSigma);
   // A survey whose coordinates are stated to be exact is one of computed pictures: nobody hung its
   // plates by eye.
   const bool is_exact = survey.states_sigma && survey.sigma == 0;

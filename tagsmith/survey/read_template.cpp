@@ -56,8 +56,9 @@ void read_feature_frame(const MapReader& frame, TagTemplate& tag) {
 }
 
 void read_symbol(const MapReader& symbol, TagTemplate& tag) {
+  // At most as wide as the symbol itself: then a module is a third of what the frame has room for.
   tag.quiet_zone_modules =
-      symbol.number("quiet_zone", between(kQuietZoneModules, kMostModules, "modules"))
+      symbol.number("quiet_zone", between(kQuietZoneModules, kModuleCount, "modules"))
           .value_or(tag.quiet_zone_modules);
   tag.margin_modules =
       symbol.number("margin", between(0, kMostModules, "modules")).value_or(tag.margin_modules);
@@ -73,6 +74,14 @@ void check_symbol(const TagTemplate& tag, const MapReader& file) {
         file.find("symbol")->place, "no-bars",
         "the bars would be " + format_number(bar_height(tag)) + " m high, expected more than 0",
         "a smaller margin or a higher inner frame");
+  }
+  if (tag.frame_stroke < (1 - kRounding) * module_width(tag)) {
+    // Plates that hang may have it: they are read at short range, and plans reckon with that.
+    file.log().warning(file.find("feature_frame")->place, "thin-stroke",
+                       "the feature frame's stroke is " + format_number(tag.frame_stroke * 1e3, 3) +
+                           " mm, expected at least a module, " +
+                           format_number(module_width(tag) * 1e3, 3) + " mm",
+                       "strokes are given in metres; the shipped templates have 3 to 4 modules");
   }
   if (tag.dots_per_inch > 0 &&
       module_width(tag) < (1 - kRounding) * kMetresPerInch / tag.dots_per_inch) {
@@ -114,7 +123,10 @@ void read_label(const MapReader& label, TagTemplate& tag) {
   constexpr std::size_t kMostLines = 6;
   FindingLog& log = label.log();
   tag.label.shown = read_bool(label.find("shown"), label.name_of("shown"), log).value_or(true);
-  tag.label.text_height = read_millimetres(label, "text_height_mm", tag.label.text_height);
+  // Nobody reads capital letters lower than a millimetre.
+  tag.label.text_height =
+      kMillimetre * label.number_or("text_height_mm", tag.label.text_height / kMillimetre,
+                                    between(1, 1000, "mm"));
   tag.label.left = read_word(label, "left", tag.label.left);
   tag.label.right = read_word(label, "right", tag.label.right);
   if (!label.has("lines")) return;

@@ -38,6 +38,40 @@ struct Abandoned : std::exception {};
 // yaml-cpp counts lines and columns from 0.
 Place place_of(const YAML::Mark& mark) { return {mark.line + 1, mark.column + 1}; }
 
+// A quoted text that takes in lines which look like a file's own, because its first line lacks the
+// closing quote.
+struct OpenQuote {
+  Place place{};  // line 0: there is none
+  int last_line = 0;
+};
+
+// Whether a line begins with a key, as it or its list's item.
+bool begins_with_key(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of(" -"), line.size()));
+  const std::size_t end = std::min(
+      line.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_"), line.size());
+  return end > 0 && end < line.size() && line[end] == ':' &&
+         (end + 1 == line.size() || line[end + 1] == ' ');
+}
+
+// Whether the quoted text [begin, end) is open: it ends with the file, or lines of it are keys.
+bool is_open_quote(std::string_view text, std::size_t begin, std::size_t end) {
+  const std::string_view quoted = text.substr(begin, end - begin);
+  if (quoted.size() < 2 || quoted.back() != quoted.front()) return true;
+  for (std::size_t at = quoted.find('\n'); at < quoted.size(); at = quoted.find('\n', at + 1)) {
+    const std::string_view rest = quoted.substr(at + 1);
+    if (begins_with_key(rest.substr(0, rest.find_first_of("\r\n")))) return true;
+  }
+  return false;
+}
+
+void log_open_quote(const OpenQuote& quote, FindingLog& log) {
+  log.error(quote.place, "open-quote",
+            "a quote that is not closed on its line: the text runs on to line " +
+                std::to_string(quote.last_line),
+            "close it on the same line, behind the last word that it is to hold");
+}
+
 void log_too_deep(Place place, FindingLog& log) {
   log.error(place, "too-deep",
             "nested more than " + std::to_string(kDeepestNode) + " deep, expected at most 5");
@@ -45,7 +79,8 @@ void log_too_deep(Place place, FindingLog& log) {
 
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  TreeBuilder(FindingLog& log, std::string_view known_tag) : log_(log), known_tag_(known_tag) {}
+  TreeBuilder(FindingLog& log, std::string_view known_tag, const OpenQuote& open_quote)
+      : log_(log), known_tag_(known_tag), open_quote_(open_quote) {}
 
   std::optional<YamlNode> take() { return std::exchange(root_, std::nullopt); }
 
@@ -72,6 +107,10 @@ class TreeBuilder final : public YAML::EventHandler {
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                 const std::string& value) override {
+    if (tag == "!" && place_of(mark).line == open_quote_.place.line) {
+      log_open_quote(open_quote_, log_);
+      throw Abandoned();
+    }
     if (!plain_tag(tag)) {
       add(explicit_tag(mark, tag), false);
       return;
@@ -173,6 +212,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   FindingLog& log_;
   std::string_view known_tag_;
+  OpenQuote open_quote_;
   std::vector<Open> open_;
   std::optional<YamlNode> root_;
   std::size_t count_ = 0;
@@ -181,8 +221,8 @@ class TreeBuilder final : public YAML::EventHandler {
 
 // Follows brackets and braces, skipping quoted text and comments; true when they nest no deeper and
 // run no longer than the parser can handle. Whether a quote begins is judged by the character
-// before it.
-bool check_flow(std::string_view text, FindingLog& log) {
+// before it; the first one that is not closed is noted.
+bool check_flow(std::string_view text, OpenQuote& open_quote, FindingLog& log) {
   std::size_t depth = 0;
   std::size_t start = 0;  // of the outermost collection
   int line = 1;
@@ -195,7 +235,11 @@ bool check_flow(std::string_view text, FindingLog& log) {
     } else if ((c == '"' || c == '\'') &&
                std::string_view("\n[{,:-?").find(before) != std::string_view::npos) {
       const std::size_t end = end_of_quotes(text, i);
+      const int first = line;
       line += static_cast<int>(std::ranges::count(text.substr(i, end - i), '\n'));
+      if (open_quote.place.line == 0 && is_open_quote(text, i, end)) {
+        open_quote = {{first, static_cast<int>(i - (text.rfind('\n', i) + 1)) + 1}, line};
+      }
       i = end - 1;
     } else if (c == '[' || c == '{') {
       if (depth++ == 0) start = i;
@@ -273,8 +317,9 @@ bool check_utf8(std::string_view text, FindingLog& log) {
 
 std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
                                    std::string_view known_tag) {
-  if (!check_utf8(text, log) || !check_flow(text, log)) return std::nullopt;
-  TreeBuilder builder(log, known_tag);
+  OpenQuote open_quote;
+  if (!check_utf8(text, log) || !check_flow(text, open_quote, log)) return std::nullopt;
+  TreeBuilder builder(log, known_tag, open_quote);
   try {
     std::istringstream stream{std::string(text)};
     YAML::Parser parser(stream);
@@ -283,6 +328,10 @@ std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
   } catch (const Abandoned&) {
     return std::nullopt;
   } catch (const YAML::Exception& error) {
+    if (open_quote.place.line > 0) {
+      log_open_quote(open_quote, log);
+      return std::nullopt;
+    }
     const Place place = place_of(error.mark);
     log.error(place, "syntax", "no valid YAML: " + error.msg,
               is_indented_by_tab(text, place.line)

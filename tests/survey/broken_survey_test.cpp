@@ -40,6 +40,9 @@ const Breakage kSurveyErrors[] = {
     {"number for text", "survey: trial", "survey: 12", "wrong-type", 1},
     {"name with a slash", "survey: trial", "survey: a/b", "bad-name", 1},
     {"name of blanks", "survey: trial", "survey: \"  \"", "bad-text", 1},
+    {"a quote without an end", "survey: trial", "survey: \"trial", "open-quote", 1},
+    {"a quote closed by the next one", "survey: trial\ngrid: { x_axis: right }",
+     "survey: \"trial\ngrid: { x_axis: \"right\" }", "open-quote", 1},
     {"negative spacing", "spacing: 0.6", "spacing: -2", "out-of-range", 15},
     {"zero width", "width: 4.0", "width: 0", "out-of-range", 4},
     {"huge width", "width: 4.0", "width: 1e300", "out-of-range", 4},
@@ -144,6 +147,8 @@ TEST_CASE("a survey that is only odd is warned about and kept") {
   const Breakage warnings[] = {
       {"theta that staggers", "pairs: 4", "pairs: 4\n  theta: 6", "theta", 18},
       {"in front of the wall", "p: [12.0, 22.4, 1.4]", "p: [11.8, 22.4, 1.4]", "off-wall", 21},
+      {"sigma in centimetres", "p: [12.0, 22.4, 1.4]", "sigma: 0.2, p: [12.0, 22.4, 1.4]",
+       "large-sigma", 21},
       {"coarse code", "resolution: 0.01", "resolution: 0.05", "coarse-code", 19},
   };
   for (const Breakage& odd : warnings) {

@@ -61,6 +61,8 @@ const Breakage kTemplateErrors[] = {
      "cut: { corner_radius_mm: 20 }\nholes: { diameter_mm: 4, inset_mm: 6 }\ntag: trial",
      "hole-misplaced", 2},
     {"material as a list", "tag: trial", "material: [steel]\ntag: trial", "wrong-type", 1},
+    {"a quiet zone wider than the symbol", "quiet_zone: 9", "quiet_zone: 96", "out-of-range", 4},
+    {"text in metres", "text_height_mm: 8", "text_height_mm: 0.008", "out-of-range", 5},
     {"text of no height", "text_height_mm: 8", "text_height_mm: 0", "out-of-range", 5},
 };
 
@@ -90,6 +92,15 @@ TEST_CASE("a logo that is not there is a warning: whoever reads photos needs non
       read_text_as_template("logo: { file: none.svg, size_mm: [40, 20] }\n" + right_template());
   CHECK(reading.value.has_value());
   CHECK(count_findings(reading.diagnostics, "no-logo", 1) == 1);
+}
+
+TEST_CASE("a stroke thinner than a module is a warning: such plates may hang") {
+  const auto findings = [](const std::string& stroke) {
+    return read_text_as_template(replaced(right_template(), "0.012", stroke)).diagnostics;
+  };
+  CHECK(count_findings(findings("0.003"), "thin-stroke", 3) == 1);
+  CHECK_FALSE(has_errors(findings("0.003")));
+  CHECK(findings("0.0031").empty());
 }
 
 TEST_CASE("holes, patches, cut and material are read; dots shrink the module to whole ones") {

@@ -208,6 +208,9 @@ TEST_CASE("a plate on a pillar is no plate off its wall, one that faces the rock
   CHECK(count_findings(findings("p: [-1.9, 29.0, 1.4], facing: 270"), "faces-rock") == 1);
   CHECK(count_findings(findings("p: [-1.9, 29.0, 1.4], facing: 90, tilt: 95"), "out-of-range") ==
         1);
+  CHECK(count_findings(findings("p: [-1.9, 29.0, 1.4], facing: 90, tilt: 45"), "steep-tilt") == 1);
+  CHECK(count_findings(findings("p: [-1.9, 29.0, 1.4], tilt: 25"), "steep-tilt") == 0);
+  CHECK(count_findings(findings("p: [-1.0, 29.0, 1.4], facing: 180, tilt: 45"), "steep-tilt") == 0);
   // Behind the rock is an error whatever it faces.
   CHECK(count_findings(findings("p: [-2.3, 29.0, 1.4], facing: 180"), "off-wall") == 1);
 }
