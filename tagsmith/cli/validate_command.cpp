@@ -19,6 +19,7 @@
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
+#include "tagsmith/placement/drive_plan.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
 #include "tagsmith/render/logo.hpp"
 #include "tagsmith/survey/assumptions.hpp"
@@ -125,11 +126,22 @@ std::vector<Diagnostic> unseen_findings(const Survey& survey, const Rig& rig) {
   return log.sorted();
 }
 
+// What `plan` refuses.
+void check_room(const Survey& survey, const Rig& rig, Findings& findings) {
+  const auto fits = check_vehicle(survey, rig, 0, survey.tunnel.centerline.length());
+  if (fits) return;
+  FindingLog log(rig.file.string());
+  log.error({}, std::string(kVehicleRoomRule), fits.error().message,
+            "the rig's numbers are metres; `tagsmith plan` refuses it, too");
+  std::ranges::move(log.sorted(), std::back_inserter(findings.diagnostics));
+}
+
 // Each survey with each rig, without the findings that comments in the survey allow.
 void check_sight(const std::vector<Survey>& surveys, const std::vector<Rig>& rigs,
                  Findings& findings) {
   for (const Survey& survey : surveys) {
     for (const Rig& rig : rigs) {
+      check_room(survey, rig, findings);
       const std::vector<Diagnostic> found =
           allowed_removed(unseen_findings(survey, rig), survey.file);
       findings.diagnostics.insert(findings.diagnostics.end(), found.begin(), found.end());

@@ -412,18 +412,31 @@ Result<void> check_camera(const Survey& survey, const Rig& rig, const RigCamera&
   const std::string aside =
       lateral == 0 ? ""
                    : fmt::format(", the vehicle {} m aside", format_number(std::abs(lateral), 3));
-  return fail(fmt::format("{}: at chainage {} m of {}{}, camera {} is {}: check its `position`{}",
-                          rig.file.string(), format_number(chainage, 3), survey.file.string(),
-                          aside, camera.name, inside.error().message,
+  return fail(fmt::format("at chainage {} m of {}{}, camera {} is {}: check its `position`{}",
+                          format_number(chainage, 3), survey.file.string(), aside, camera.name,
+                          inside.error().message,
                           lateral == 0 ? "" : " and vehicle.envelope.lateral"));
 }
 
 }  // namespace
 
-Result<void> check_cameras(const Survey& survey, const Rig& rig, double from, double to) {
+Result<void> check_vehicle(const Survey& survey, const Rig& rig, double from, double to) {
   constexpr double kStep = 0.5;  // metres
   constexpr double kMostPlaces = 20000;
   const double lateral = rig.envelope ? rig.envelope->lateral : 0;
+  const double narrowest = least_distance(survey.tunnel);
+  if (lateral >= narrowest) {
+    return fail(fmt::format(
+        "vehicle.envelope.lateral is {} m, expected less than the nearest wall's distance from "
+        "the center line of {}, {} m",
+        format_number(lateral, 3), survey.file.string(), format_number(narrowest, 3)));
+  }
+  if (rig.vehicle_height <= 0 || rig.vehicle_height >= survey.tunnel.height.least()) {
+    return fail(fmt::format(
+        "vehicle.height is {} m, expected between 0 and the height of the tunnel of {}, {} m",
+        format_number(rig.vehicle_height, 3), survey.file.string(),
+        format_number(survey.tunnel.height.least(), 3)));
+  }
   const double first = std::max(from, 0.0);
   const double last = std::min(to, survey.tunnel.centerline.length());
   const double step = std::max(kStep, (last - first) / kMostPlaces);
@@ -445,7 +458,6 @@ namespace {
 
 Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& options, double from,
                    double to) {
-  const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
   if (!(to > from)) {
     return fail(fmt::format("the plan ends at chainage {} m, expected more than its start, {} m",
                             format_number(to, 3), format_number(from, 3)));
@@ -458,21 +470,9 @@ Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& opti
                     format_number(from, 3), format_number(to, 3), survey.file.string(),
                     format_number(length, 3)));
   }
-  const double narrowest = least_distance(survey.tunnel);
-  if (envelope.lateral >= narrowest) {
-    return fail(fmt::format(
-        "{}: vehicle.envelope.lateral is {} m, expected less than the nearest wall's distance from "
-        "the center line of {}, {} m",
-        rig.file.string(), format_number(envelope.lateral, 3), survey.file.string(),
-        format_number(narrowest, 3)));
+  if (auto checked = check_vehicle(survey, rig, from, to); !checked) {
+    return fail(rig.file.string() + ": " + checked.error().message);
   }
-  if (rig.vehicle_height <= 0 || rig.vehicle_height >= survey.tunnel.height.least()) {
-    return fail(fmt::format(
-        "{}: vehicle.height is {} m, expected between 0 and the height of the tunnel of {}, {} m",
-        rig.file.string(), format_number(rig.vehicle_height, 3), survey.file.string(),
-        format_number(survey.tunnel.height.least(), 3)));
-  }
-  if (auto checked = check_cameras(survey, rig, from, to); !checked) return checked;
   const double columns = (to - from) / options.step;
   if (columns > kMostColumns) {
     return fail(fmt::format(

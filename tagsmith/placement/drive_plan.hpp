@@ -142,9 +142,11 @@ struct DrivePlan {
   LogHistogram speeds;
 };
 
-// Fails, naming the first place, when a camera on the center line or at the sides of the envelope
-// stands in the rock, the floor or the roof. The places checked are half a metre apart.
-Result<void> check_cameras(const Survey& survey, const Rig& rig, double from, double to);
+// Fails when the vehicle does not fit into the tunnel: its envelope beyond a wall, its centre below
+// the floor or above the roof, or, naming the first place, a camera on the center line or at the
+// sides of the envelope in the rock, the floor or the roof. The places checked are half a metre
+// apart. The message does not name the rig's file.
+Result<void> check_vehicle(const Survey& survey, const Rig& rig, double from, double to);
 
 // Fails with words for the user when options and files do not fit each other. The time is linear in
 // the number of poses.

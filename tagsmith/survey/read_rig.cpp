@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
@@ -108,6 +110,63 @@ void read_focus(const MapReader& map, RigCamera& camera) {
            "focus (m) and aperture_mm (focal length / f-number) belong together");
 }
 
+// Warns of a side that contradicts the camera's name or where it looks.
+void lint_side(const MapReader& map, const RigCamera& camera) {
+  if (!camera.side) return;
+  const Side other = *camera.side == Side::left ? Side::right : Side::left;
+  const double leftwards = camera.vehicle_from_camera.rotation(1, 2);  // of its axis
+  const auto warn = [&](const std::string& what, const char* hint) {
+    map.log().warning(
+        map.find("side")->place, "camera-side",
+        fmt::format("camera {} {}, its side is {}", camera.name, what, to_string(*camera.side)),
+        hint);
+  };
+  if (camera.name == to_string(other)) {
+    warn("is named after the other wall", "exchange the sides or the names");
+  } else if (leftwards * (*camera.side == Side::left ? 1 : -1) < -0.01) {
+    warn(fmt::format("looks to the {}", to_string(other)), "yaw is positive to the left");
+  }
+}
+
+// Warns of a camera beside the vehicle's middle (metres aside) that looks over the middle before or
+// behind itself within a vehicle's length: through the vehicle.
+void lint_position(const MapReader& map, const RigCamera& camera) {
+  constexpr double kAside = 0.2, kAlong = 2;
+  const double aside = camera.vehicle_from_camera.translation.y();
+  const Eigen::Vector3d look = camera.vehicle_from_camera.rotation.col(2);
+  if (std::abs(aside) <= kAside || aside * look.y() >= 0 ||
+      std::abs(look.x() * aside) >= kAlong * std::abs(look.y())) {
+    return;
+  }
+  map.log().warning(map.find("position")->place, "looks-across",
+                    fmt::format("camera {} is {} m {} of the vehicle's middle and looks across it",
+                                camera.name, format_number(std::abs(aside), 3),
+                                to_string(aside > 0 ? Side::left : Side::right)),
+                    "position is [forward, left, up], yaw is positive to the left");
+}
+
+void lint_units(const MapReader& map, const RigCamera& camera) {
+  // The widest modules of the shipped templates (11 mm) pass by three at a third of a metre a
+  // second, slower than a walk.
+  constexpr double kLongExposure = 0.1;  // seconds
+  if (camera.exposure && *camera.exposure > kLongExposure) {
+    map.log().warning(map.find("exposure")->place, "long-exposure",
+                      fmt::format("camera {} exposes for {} s, expected at most {}", camera.name,
+                                  format_number(*camera.exposure), kLongExposure),
+                      "exposure is in seconds: 2 ms are 0.002");
+  }
+  // A camera that looks straight sideways has 0, one that looks ahead tens of degrees.
+  const YamlNode* alpha = map.find("alpha");
+  const double angle = alpha == nullptr ? 0 : parse_number(alpha->text).value_or(0);
+  if (angle != 0 && std::abs(angle) < std::numbers::pi / 2) {
+    map.log().warning(
+        alpha->place, "angle-unit",
+        fmt::format("alpha of camera {} is {} degrees; as radians it would be {}", camera.name,
+                    format_number(angle), format_number(degrees(angle), 1)),
+        "alpha is in degrees");
+  }
+}
+
 RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::path& folder,
                       FindingLog& log) {
   std::vector<std::string> keys = intrinsics_keys();
@@ -126,6 +185,9 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   camera.readout = map.number_if_there("readout", between(0, 10, "s"));
   read_calibration_sigma(map, camera);
   read_focus(map, camera);
+  lint_side(map, camera);
+  lint_position(map, camera);
+  lint_units(map, camera);
   return camera;
 }
 

@@ -37,6 +37,9 @@ const Rule* find_rule(std::string_view code);
 inline constexpr std::string_view kUnseenTagRule = "unseen-tag";
 inline constexpr std::string_view kExchangedCodeRule = "exchanged-code";
 
+// An error of a rig with a survey.
+inline constexpr std::string_view kVehicleRoomRule = "vehicle-room";
+
 // Removes the warnings about `file` that a comment `# tagsmith: allow RULE: REASON` in its text
 // allows: on the line of the finding, on a line of its own before it, or anywhere for a finding
 // about the whole file. Errors stay. Adds a finding for each such comment that names no rule, gives

@@ -91,6 +91,29 @@ TEST_CASE("the rig that the others break is right, and says what it says") {
   CHECK(rig.envelope->roll == 0);
 }
 
+TEST_CASE("a rig that is only odd is warned about and kept") {
+  const Breakage warnings[] = {
+      {"alpha in radians", "alpha: 35", "alpha: 0.61", "angle-unit", 7},
+      {"sides exchanged", "side: left", "side: right", "camera-side", 8},
+      {"side behind the camera", "yaw: 5,", "yaw: -5, side: left,", "camera-side", 9},
+      {"through the vehicle", "yaw: 5, pitch: -2, position: [0.5, 0, 0.1]",
+       "yaw: -50, position: [0.5, 0.8, 0.1]", "looks-across", 9},
+      {"milliseconds", "exposure: 0.01", "exposure: 2", "long-exposure", 9},
+  };
+  for (const Breakage& odd : warnings) {
+    CAPTURE(odd.name);
+    const Diagnosed<Rig> reading = read_text_as_rig(replaced(right_rig(), odd.from, odd.to));
+    CHECK_MESSAGE(reading.value.has_value(), to_string(reading.diagnostics));
+    CHECK_MESSAGE(count_findings(reading.diagnostics, odd.code, odd.line) == 1,
+                  to_string(reading.diagnostics));
+    CHECK(reading.diagnostics.size() == 1);
+  }
+  // Ahead, and slightly inwards.
+  const std::string mild = "yaw: -5, pitch: -2, position: [0.5, 0.8, 0.1]";
+  CHECK(read_text_as_rig(replaced(right_rig(), "yaw: 5, pitch: -2, position: [0.5, 0, 0.1]", mild))
+            .diagnostics.empty());
+}
+
 TEST_CASE(
     "standard deviations of height and calibration are what the rig says, or their defaults") {
   const std::string stated = replaced(

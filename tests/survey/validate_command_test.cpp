@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <regex>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -6,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/file.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
@@ -99,6 +101,27 @@ TEST_CASE("validate --rig names the tags that no camera of the rig can see") {
     left += finding["code"] == "unseen-tag" ? 1 : 0;
   }
   CHECK(left == 2);
+}
+
+TEST_CASE("validate --rig refuses the vehicle that plan refuses, in its words") {
+  const TemporaryFolder folder;
+  const std::string survey = "surveys/drift/survey.yaml";
+  const std::string right = *tagsmith::detail::read_file("surveys/drift/rig.yaml");
+  for (const char* wrong : {"lateral: 2.3", "lateral: 0.02"}) {
+    CAPTURE(wrong);
+    const std::regex lateral("lateral: [0-9.]+");
+    const std::string rig =
+        write_text(folder.path() / "rig.yaml", std::regex_replace(right, lateral, wrong));
+    const ProgramOutput plan = run_tagsmith("plan --from 1 --to 2 " + survey + " --rig " + rig);
+    const ProgramOutput output = run_tagsmith("validate " + survey + " --rig " + rig);
+    const bool is_refused = output.out.find("[vehicle-room]") != std::string::npos;
+    CHECK(output.exit_code == (is_refused ? 1 : 0));
+    CHECK(is_refused == (plan.exit_code == 2));
+    CHECK(is_refused == (wrong == std::string("lateral: 2.3")));
+    const std::string words = "vehicle.envelope.lateral is 2.3 m, expected less than";
+    CHECK(is_refused == (plan.err.find(words) != std::string::npos));
+    CHECK(is_refused == (output.out.find(words) != std::string::npos));
+  }
 }
 
 TEST_CASE("codes that two surveys share are named with the lines of both") {
