@@ -63,7 +63,11 @@ double frame_share(const TagTemplate& tag, double foreshortening) {
   const double seen = std::min(foreshortening, 1.0);
   const double module = module_width(tag);
   const double stroke = tag.frame_stroke / module / (kStroke + kLeaningStroke * (1 - seen));
-  const double height = tag.frame_inner_height / module / (kHeight + kLeaningHeight * (1 - seen));
+  // Where margins are wider than those measured, 9 modules, the bars count by what frame they fill.
+  constexpr double kMargins = 18;
+  const double inner =
+      std::min(tag.frame_inner_height / module, bar_height(tag) / module + kMargins);
+  const double height = inner / (kHeight + kLeaningHeight * (1 - seen));
   return std::min(1.0, seen * std::min(stroke, height));
 }
 

@@ -27,6 +27,11 @@ namespace tagsmith::detail {
 namespace {
 
 constexpr double kMostModules = 1000.0;
+// Modules: with less space between bars and frame tags are not read as plans say, and bars lower
+// than this are not read reliably at any width of the modules (`./dev bench limits symbols`,
+// docs/accuracy.md).
+constexpr double kLeastMargin = 3;
+constexpr double kLeastBars = 6;
 constexpr int kLeastDotsPerInch = 50;
 constexpr int kMostDotsPerInch = 10'000;
 
@@ -60,8 +65,8 @@ void read_symbol(const MapReader& symbol, TagTemplate& tag) {
   tag.quiet_zone_modules =
       symbol.number("quiet_zone", between(kQuietZoneModules, kModuleCount, "modules"))
           .value_or(tag.quiet_zone_modules);
-  tag.margin_modules =
-      symbol.number("margin", between(0, kMostModules, "modules")).value_or(tag.margin_modules);
+  tag.margin_modules = symbol.number("margin", between(kLeastMargin, kMostModules, "modules"))
+                           .value_or(tag.margin_modules);
   tag.dots_per_inch = read_integer(symbol.find("dots_per_inch"), symbol.name_of("dots_per_inch"),
                                    kLeastDotsPerInch, kMostDotsPerInch, symbol.log())
                           .value_or(0);
@@ -69,10 +74,13 @@ void read_symbol(const MapReader& symbol, TagTemplate& tag) {
 
 void check_symbol(const TagTemplate& tag, const MapReader& file) {
   constexpr double kRounding = 1e-6;  // of lengths written in decimals
-  if (bar_height(tag) <= 0) {
+  const double least_bars = kLeastBars * module_width(tag);
+  if (bar_height(tag) < (1 - kRounding) * least_bars) {
     file.log().error(
         file.find("symbol")->place, "no-bars",
-        "the bars would be " + format_number(bar_height(tag)) + " m high, expected more than 0",
+        fmt::format("the bars would be {} mm high, expected at least {} modules, {} mm",
+                    format_number(bar_height(tag) * 1e3, 1), kLeastBars,
+                    format_number(least_bars * 1e3, 1)),
         "a smaller margin or a higher inner frame");
   }
   if (tag.frame_stroke < (1 - kRounding) * module_width(tag)) {

@@ -4,6 +4,7 @@
 // Usage: bench_reader_limits [TAGS_PER_CELL [FILE]]
 //        bench_reader_limits frames [TAGS_PER_CELL]: thin strokes, low frames and leaning plates
 // against what plans take them for
+//        bench_reader_limits symbols [TAGS_PER_CELL]: narrow margins and low bars
 #include "tagsmith/placement/reader_limits.hpp"
 
 #include <algorithm>
@@ -73,6 +74,7 @@ double middle_module_px(const Conditions& conditions) {
 struct Outcome {
   bool read = false;
   std::array<double, 8> errors{};  // of corner coordinates, pixels
+  double chi_square = 0;           // of them by their covariance, per degree of freedom
 };
 
 // An image with room for the plate and a margin of 40 px. The lens grows with the resolution, so
@@ -153,6 +155,7 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
     if (reading.digits != code) continue;
     outcome.read = true;
     outcome.errors = bench::corner_errors(reading, picture.plates.front());
+    outcome.chi_square = bench::corner_chi_square(reading, picture.plates.front());
   }
   return outcome;
 }
@@ -367,6 +370,57 @@ void compare_frames(int count) {
   }
 }
 
+// --- other symbols than the table's ---
+
+// How many are read at the width of modules that plans ask for and at multiples of it, and the
+// corners' mean chi-square per degree of freedom.
+void compare_symbol(Conditions conditions, int count) {
+  const double planned = tagsmith::detail::least_module_px(true, conditions.incidence,
+                                                           conditions.blur_px, ReadShare::reliable);
+  fmt::print(
+      "| {} | {:.1f} | {:.1f} | {:.0f} |", conditions.tag.name, conditions.tag.margin_modules,
+      bar_height(conditions.tag) / module_width(conditions.tag), degrees(conditions.incidence));
+  for (const double times : {1.0, 3.0}) {
+    conditions.module_px = times * planned / frame_share(conditions.tag, 1);
+    std::vector<Outcome> outcomes = run_cell(conditions, count);
+    std::erase_if(outcomes, [](const Outcome& outcome) { return !outcome.read; });
+    double sum = 0;
+    for (const Outcome& outcome : outcomes) sum += outcome.chi_square;
+    const double read = static_cast<double>(outcomes.size());
+    fmt::print(" {:.0f} % | {:.2f} |", 100 * read / count, sum / std::max(1.0, read));
+  }
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
+void compare_symbols(int count) {
+  fmt::print(
+      "| template | margin, modules | bars, modules | incidence | read as planned | chi-square | "
+      "3 times as wide | chi-square |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  TagTemplate large = test::corridor_template();
+  large.name = "tag-1400x750";
+  large.plate_length = 1.4, large.plate_height = 0.75;
+  large.frame_inner_length = 1.244, large.frame_inner_height = 0.56, large.frame_stroke = 0.036;
+  for (const double incidence : {0.0, 70.0}) {
+    for (const TagTemplate& tag : {test::corridor_template(), large}) {
+      Conditions conditions;
+      conditions.tag = tag;
+      conditions.incidence = radians(incidence);
+      conditions.blur_px = 0.7;
+      conditions.code_book = true;
+      for (const double margin : {9.0, 4.0, 3.0, 2.0, 1.0, 0.0}) {
+        conditions.tag.margin_modules = margin;
+        compare_symbol(conditions, count);
+      }
+      for (const double bars : {20.0, 12.0, 6.0, 3.0, 1.0}) {
+        conditions.tag.margin_modules = (tag.frame_inner_height / module_width(tag) - bars) / 2;
+        compare_symbol(conditions, count);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -374,12 +428,16 @@ int main(int argc, char** argv) {
     compare_frames(argc > 2 ? std::max(1, std::atoi(argv[2])) : 100);
     return 0;
   }
+  if (argc > 1 && std::string(argv[1]) == "symbols") {
+    compare_symbols(argc > 2 ? std::max(1, std::atoi(argv[2])) : 100);
+    return 0;
+  }
   const int count = argc > 1 ? std::atoi(argv[1]) : 100;
   const std::string file = argc > 2 ? argv[2] : kTable;
   if (count < 1) {
     fmt::print(stderr,
                "usage: bench_reader_limits [TAGS_PER_CELL [FILE]]\n"
-               "       bench_reader_limits frames [TAGS_PER_CELL]\n");
+               "       bench_reader_limits frames|symbols [TAGS_PER_CELL]\n");
     return 2;
   }
   fmt::print(

@@ -83,4 +83,11 @@ TEST_CASE("a plate counts for less whose strokes or heights are small in the pic
   tag = test::corridor_template();
   tag.frame_inner_height /= 2;
   CHECK(frame_share(tag, 1) == doctest::Approx(0.58).epsilon(0.02));
+  // Bars as low as in that frame, by wide margins.
+  const double bars = bar_height(tag);
+  tag = test::corridor_template();
+  tag.margin_modules = (tag.frame_inner_height - bars) / 2 / module_width(tag);
+  CHECK(frame_share(tag, 1) == doctest::Approx(0.58).epsilon(0.02));
+  tag.margin_modules = 3;
+  CHECK(frame_share(tag, 1) == 1);
 }

@@ -29,6 +29,8 @@ const Breakage kTemplateErrors[] = {
     {"no stroke", ", stroke: 0.012", "", "missing-key", 3},
     {"quiet zone below GS1's", "quiet_zone: 9", "quiet_zone: 8", "out-of-range", 4},
     {"negative margin", "margin: 9", "margin: -1", "out-of-range", 4},
+    {"margin that the frame's edge blurs into", "margin: 9", "margin: 2", "out-of-range", 4},
+    {"margin that leaves low bars", "margin: 9", "margin: 27", "no-bars", 4},
     {"margin that leaves no bars", "margin: 9", "margin: 28", "no-bars", 4},
     {"frame longer than the plate", "inner: [0.343", "inner: [0.39", "frame-outside-plate", 3},
     {"frame pushed off the plate", "offset: [0, 0.02]", "offset: [0, 0.06]", "frame-outside-plate",
