@@ -157,7 +157,8 @@ void lint_units(const MapReader& map, const RigCamera& camera) {
   }
   // A camera that looks straight sideways has 0, one that looks ahead tens of degrees.
   const YamlNode* alpha = map.find("alpha");
-  const double angle = alpha == nullptr ? 0 : parse_number(alpha->text).value_or(0);
+  if (alpha == nullptr) return;
+  const double angle = parse_number(alpha->text).value_or(0);
   if (angle != 0 && std::abs(angle) < std::numbers::pi / 2) {
     map.log().warning(
         alpha->place, "angle-unit",
