@@ -65,8 +65,8 @@ void read_symbol(const MapReader& symbol, TagTemplate& tag) {
   tag.quiet_zone_modules =
       symbol.number("quiet_zone", between(kQuietZoneModules, kModuleCount, "modules"))
           .value_or(tag.quiet_zone_modules);
-  tag.margin_modules = symbol.number("margin", between(kLeastMargin, kMostModules, "modules"))
-                           .value_or(tag.margin_modules);
+  tag.margin_modules =
+      symbol.number("margin", between(0, kMostModules, "modules")).value_or(tag.margin_modules);
   tag.dots_per_inch = read_integer(symbol.find("dots_per_inch"), symbol.name_of("dots_per_inch"),
                                    kLeastDotsPerInch, kMostDotsPerInch, symbol.log())
                           .value_or(0);
@@ -82,6 +82,13 @@ void check_symbol(const TagTemplate& tag, const MapReader& file) {
                     format_number(bar_height(tag) * 1e3, 1), kLeastBars,
                     format_number(least_bars * 1e3, 1)),
         "a smaller margin or a higher inner frame");
+  }
+  if (tag.margin_modules < kLeastMargin) {
+    file.log().warning(
+        file.find("symbol")->place, "narrow-margin",
+        fmt::format("the bars' margin is {} modules, expected at least {}",
+                    format_number(tag.margin_modules), format_number(kLeastMargin)),
+        "bars so near the frame are read at shorter range than plans say, with worse corners");
   }
   if (tag.frame_stroke < (1 - kRounding) * module_width(tag)) {
     // Plates that hang may have it: they are read at short range, and plans reckon with that.

@@ -29,7 +29,6 @@ const Breakage kTemplateErrors[] = {
     {"no stroke", ", stroke: 0.012", "", "missing-key", 3},
     {"quiet zone below GS1's", "quiet_zone: 9", "quiet_zone: 8", "out-of-range", 4},
     {"negative margin", "margin: 9", "margin: -1", "out-of-range", 4},
-    {"margin that the frame's edge blurs into", "margin: 9", "margin: 2", "out-of-range", 4},
     {"margin that leaves low bars", "margin: 9", "margin: 27", "no-bars", 4},
     {"margin that leaves no bars", "margin: 9", "margin: 28", "no-bars", 4},
     {"frame longer than the plate", "inner: [0.343", "inner: [0.39", "frame-outside-plate", 3},
@@ -103,6 +102,16 @@ TEST_CASE("a stroke thinner than a module is a warning: such plates may hang") {
   CHECK(count_findings(findings("0.003"), "thin-stroke", 3) == 1);
   CHECK_FALSE(has_errors(findings("0.003")));
   CHECK(findings("0.0031").empty());
+}
+
+TEST_CASE("bars near the frame are a warning: such plates may hang") {
+  const auto findings = [](const std::string& margin) {
+    return read_text_as_template(replaced(right_template(), "margin: 9", "margin: " + margin))
+        .diagnostics;
+  };
+  CHECK(count_findings(findings("2.9"), "narrow-margin", 4) == 1);
+  CHECK_FALSE(has_errors(findings("2.9")));
+  CHECK(findings("3").empty());
 }
 
 TEST_CASE("holes, patches, cut and material are read; dots shrink the module to whole ones") {
