@@ -70,7 +70,7 @@ struct CornerTuning {
   double side = 0.006;  // pixels, a side as a whole, and either of its ends by itself
   // A pixel's response is no Gaussian, so an edge is found a little off, depending on where in the
   // pixel it lies. That is so much greater than noise of the same residuals, because it is alike
-  // all along a side: seen on ladder and phone photos, on sides that cross 0.15 to 2 pixels.
+  // all along a side: seen on ladder and phone photos, on sides that cross 0.15 to 1.6 pixels.
   double pixel_locking = 4;
   // Where the blur reaches from one edge of the stroke to the other, the model's errors do too.
   double blurred = 0.5;  // pixels, times (blur / stroke)^2

@@ -282,9 +282,12 @@ void print(const std::string& name, const Outcome& outcome) {
       name, outcome.times_ms.size(), outcome.wrong, outcome.far, outcome.false_refusals,
       bench::median(outcome.times_ms), *std::ranges::max_element(outcome.times_ms));
   for (const auto& [cell_name, cell] : outcome.cells) {
-    fmt::print("  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}",
-               cell_name, cell.read, cell.tags, bench::median(cell.errors),
-               bench::median(cell.chi_squares));
+    fmt::print(
+        "  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}, at most "
+        "{:.1f}",
+        cell_name, cell.read, cell.tags, bench::median(cell.errors),
+        bench::median(cell.chi_squares),
+        cell.chi_squares.empty() ? 0 : std::ranges::max(cell.chi_squares));
     for (std::size_t r = 0; r < cell.others.size(); ++r) {
       fmt::print(", {} {}", bench::other_readers()[r].name, cell.others[r]);
     }
