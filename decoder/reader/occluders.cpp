@@ -14,13 +14,105 @@
 namespace tagsmith::detail {
 namespace {
 
+// Places around the bars, clockwise, where the plate should be all white, or all black.
+struct Loop {
+  std::vector<PixelPoint> at;    // unit square of the frame's inside
+  std::vector<double> level;     // grey level seen there
+  std::vector<double> expected;  // that of the places around that agree
+};
+
+constexpr int kPerSide = 192;
+
+// A rectangle around the bars at these distances from the frame's inner edge (negative: outside).
+Loop loop_at(const GrayView& image, const FrameHomography& image_from_frame, double from_side,
+             double from_top, double spread_u, double spread_v) {
+  Loop loop;
+  const std::array<PixelPoint, 5> corners{{{from_side, from_top},
+                                           {1 - from_side, from_top},
+                                           {1 - from_side, 1 - from_top},
+                                           {from_side, 1 - from_top},
+                                           {from_side, from_top}}};
+  for (std::size_t side = 0; side < 4; ++side) {
+    for (int k = 0; k < kPerSide; ++k) {
+      const double t = (k + 0.5) / kPerSide;
+      const PixelPoint at = (1 - t) * corners[side] + t * corners[side + 1];
+      double sum = 0;
+      for (int i = -1; i <= 1; ++i) {
+        for (int j = -1; j <= 1; ++j) {
+          sum += sample_bilinear(image, image_from_frame(at.x + i * spread_u, at.y + j * spread_v));
+        }
+      }
+      loop.at.push_back(at);
+      loop.level.push_back(sum / 9);
+    }
+  }
+  return loop;
+}
+
 double quantile_of(std::vector<double> values, double share) { return quantile(values, share); }
 
-// Consecutive places of a row that do not show what they should.
+// The level that a loop should show: from the places within a side's length, the upper or lower
+// part of the middle, so that covers over up to half of them do not count.
+void expect(Loop& loop, double share) {
+  constexpr int kReach = kPerSide / 2, kStride = 4;  // places; of which every fourth
+  const int size = static_cast<int>(loop.level.size());
+  const auto level = [&](int i) { return loop.level[static_cast<std::size_t>((i + size) % size)]; };
+  loop.expected.resize(loop.level.size());
+  std::vector<double> near;
+  for (int i = 0; i < size; ++i) {
+    near.clear();
+    for (int k = -kReach; k <= kReach; k += kStride) near.push_back(level(i + k));
+    loop.expected[static_cast<std::size_t>(i)] = quantile(near, share);
+  }
+}
+
+// Consecutive places of a loop that do not show what they should.
 struct Crossing {
   int begin = 0;
   int count = 0;
 };
+
+std::vector<Crossing> crossings_of(const Loop& loop, double tolerance) {
+  constexpr int kMost = 2 * kPerSide;
+  const int size = static_cast<int>(loop.level.size());
+  const auto is_odd = [&](int i) {
+    const auto at = static_cast<std::size_t>((i + size) % size);
+    return std::abs(loop.level[at] - loop.expected[at]) > tolerance;
+  };
+  std::vector<Crossing> crossings;
+  int start = 0;  // a place that shows what it should: no crossing is cut there
+  while (start < size && is_odd(start)) ++start;
+  for (int i = start; i < start + size; ++i) {
+    if (!is_odd(i)) continue;
+    const int begin = i;
+    while (i < start + size && is_odd(i)) ++i;
+    if (i - begin <= kMost) crossings.push_back({begin, i - begin});
+  }
+  return crossings;
+}
+
+PixelPoint point_of(const Loop& loop, int i) {
+  const int size = static_cast<int>(loop.at.size());
+  return loop.at[static_cast<std::size_t>((i % size + size) % size)];
+}
+
+double level_at(const Loop& loop, int i) {
+  const int size = static_cast<int>(loop.at.size());
+  return loop.level[static_cast<std::size_t>((i % size + size) % size)];
+}
+
+// The strip between two crossings, a little wider; clockwise because the loop is.
+Occluder strip_between(const Loop& loop, const Crossing& a, const Crossing& b) {
+  constexpr int kBeyond = 1;  // places: its blurred outline
+  return {point_of(loop, a.begin - kBeyond), point_of(loop, a.begin + a.count - 1 + kBeyond),
+          point_of(loop, b.begin - kBeyond), point_of(loop, b.begin + b.count - 1 + kBeyond)};
+}
+
+bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
+  const int size = static_cast<int>(loop.at.size());
+  const auto side = [&](const Crossing& c) { return ((c.begin + c.count / 2) % size) / kPerSide; };
+  return side(a) == side(b);
+}
 
 // Whether the light along a way through the unit square is as it should be nearly everywhere. `off`
 // returns by how much a level is not, this share of the way on.
@@ -36,6 +128,43 @@ bool is_even_along(const GrayView& image, const FrameHomography& image_from_fram
     even += off(level, t) < tolerance ? 1 : 0;
   }
   return even >= kOccluder.least_even * kPlaces;
+}
+
+// Whether the light along a strip changes evenly from one crossing to the other: along its middle
+// and halfway to its sides.
+bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
+              const Crossing& a, const Crossing& b, double tolerance) {
+  const auto place = [](const Crossing& crossing, double share) {
+    return crossing.begin + static_cast<int>(std::lround(share * (crossing.count - 1)));
+  };
+  return std::ranges::all_of(std::array{0.25, 0.5, 0.75}, [&](double share) {
+    // Clockwise on one crossing is anticlockwise on the other.
+    const int first = place(a, share), second = place(b, 1 - share);
+    const double from = level_at(loop, first), to = level_at(loop, second);
+    return is_even_along(
+        image, image_from_frame, point_of(loop, first), point_of(loop, second), tolerance,
+        [&](double level, double t) { return std::abs(level - ((1 - t) * from + t * to)); });
+  });
+}
+
+void add_strips(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
+                double contrast, std::vector<Occluder>& strips) {
+  const std::vector<Crossing> crossings = crossings_of(loop, kProfile.odd * contrast);
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    const Crossing& a = crossings[i];
+    if (a.count >= kPerSide / 6) {
+      // It may cut off a corner or a whole side: what lies between its ends and the loop.
+      const int third = a.count / 3;
+      strips.push_back({point_of(loop, a.begin - 1), point_of(loop, a.begin + third),
+                        point_of(loop, a.begin + 2 * third), point_of(loop, a.begin + a.count)});
+    }
+    for (std::size_t j = i + 1; j < crossings.size(); ++j) {
+      const Crossing& b = crossings[j];
+      if (same_side(loop, a, b)) continue;
+      if (!is_plain(image, image_from_frame, loop, a, b, kProfile.odd * contrast)) continue;
+      strips.push_back(strip_between(loop, a, b));
+    }
+  }
 }
 
 constexpr int kPlacesPerModule = 2;
@@ -248,6 +377,26 @@ std::vector<Occluder> strips_along_bars(const GrayView& image, const RefinedFram
       strips_between(image, image_from_frame, layout, places, contrast,
                      {Beside::stroke, -stroke / 2, 1 + stroke / 2, stroke / 4});
   strips.insert(strips.end(), pale.begin(), pale.end());
+  return strips;
+}
+
+std::vector<Occluder> find_occluders(const GrayView& image, const RefinedFrame& frame,
+                                     const SymbolLayout& layout) {
+  const FrameHomography image_from_frame(frame.corners, frame.lens);
+  const double stroke = stroke_share(frame);
+  const double quiet = layout.width_share(0);
+  const double margin = std::min(layout.bars_top, 1 - layout.bars_bottom);
+  const double stroke_u = stroke * quiet / margin;  // as thick on all sides
+  Loop white = loop_at(image, image_from_frame, quiet / 2, margin / 2, quiet / 12, margin / 12);
+  Loop black =
+      loop_at(image, image_from_frame, -stroke_u / 2, -stroke / 2, stroke_u / 8, stroke / 8);
+  expect(white, 0.7);
+  expect(black, 0.3);
+  const double contrast = quantile_of(white.expected, 0.5) - quantile_of(black.expected, 0.5);
+  std::vector<Occluder> strips = strips_along_bars(image, frame, layout);
+  if (!(contrast > 0)) return strips;
+  add_strips(image, image_from_frame, white, contrast, strips);
+  add_strips(image, image_from_frame, black, contrast, strips);
   return strips;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cables, pipes and boards along the bars, detected where they cross what is known beforehand.
+// Cables, pipes and boards across a tag, detected where they cross what is known beforehand.
 #pragma once
 
 #include <array>
@@ -14,6 +14,11 @@ namespace tagsmith::detail {
 // The area between two crossings, clockwise in the unit square of the frame's inside; its corners
 // may lie outside of it.
 using Occluder = std::array<PixelPoint, 4>;
+
+// Straight objects that cross the white between bars and frame (or the frame's stroke) twice and
+// show no bars on the way; those of strips_along_bars are included. The frame begins at P.
+std::vector<Occluder> find_occluders(const GrayView& image, const RefinedFrame& frame,
+                                     const SymbolLayout& layout);
 
 // Where an occluder hides a row of the unit square, at height v: from begin to end; nowhere where
 // end < begin.

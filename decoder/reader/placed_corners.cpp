@@ -143,8 +143,8 @@ SeenBands seen_bands(const SymbolHypothesis& symbol, const RobustProfile& rows) 
   SeenBands bands;
   for (int i = 0; i < 4; ++i) {
     SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
-    bars = seen_places(rows.of_agreeing_rows(band_of(i)).bins, symbol.decoding.digits,
-                       symbol.decoding.fit.image);
+    bars = seen_places(rows.of_agreeing_rows(band_of(i), symbol.profile).bins,
+                       symbol.decoding.digits, symbol.decoding.fit.image);
     bars.covariance *=
         kCorner.alike * (symbol.frame.was_sharpened ? correlation_factor(bars.residuals) : 1);
   }

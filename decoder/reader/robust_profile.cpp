@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -128,15 +131,19 @@ struct PixelSums {
 };
 
 // Row after row, so that rounding is the same on every machine.
-PixelSums sums_of(const DarkRows& rows, const Cells& pixels) {
+PixelSums sums_of(const DarkRows& rows, const Cells& pixels, const RowRange& range) {
   const Bins none = Bins::Zero(pixels.rows());
   PixelSums sums{none, none, none};
-  for (Eigen::Index row = 0; row < pixels.cols(); ++row) {
+  for (Eigen::Index row = range.first; row < range.end; ++row) {
     sums.darkness += pixels.col(row) * rows.darkness.col(row);
     sums.place += pixels.col(row) * rows.place.col(row);
     sums.count += pixels.col(row);
   }
   return sums;
+}
+
+PixelSums sums_of(const DarkRows& rows, const Cells& pixels) {
+  return sums_of(rows, pixels, {0, pixels.cols()});
 }
 
 // What the rows agree on in each bin.
@@ -196,6 +203,23 @@ Cells differences(const DarkRows& rows, const Consensus& consensus) {
   return rows.darkness - expected;
 }
 
+// The median of values that are not negative, as quantile() has it: the leading bits of such
+// numbers sort them into classes, of which one is looked at.
+float median_of_squares(const std::vector<float>& squares) {
+  // By sign, exponent and three bits more.
+  const auto class_of = [](float square) { return std::bit_cast<std::uint32_t>(square) >> 20; };
+  std::vector<std::uint32_t> counts(std::size_t{1} << 12);
+  for (const float square : squares) ++counts[class_of(square)];
+  auto before = static_cast<std::uint32_t>((squares.size() - 1) / 2);
+  std::uint32_t at = 0;
+  while (before >= counts[at]) before -= counts[at++];
+  std::vector<float> alike;
+  std::ranges::copy_if(squares, std::back_inserter(alike),
+                       [&](float square) { return class_of(square) == at; });
+  std::ranges::nth_element(alike, alike.begin() + before);
+  return alike[before];
+}
+
 // Variance of one pixel's darkness: from the median of what cells are off.
 double pixel_variance(const DarkRows& rows, const Cells& off) {
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
@@ -208,7 +232,7 @@ double pixel_variance(const DarkRows& rows, const Cells& off) {
     }
   }
   if (squares.empty()) return kModelVariance;
-  return std::max(kModelVariance, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
+  return std::max(kModelVariance, static_cast<double>(median_of_squares(squares)) / kMedianChi2);
 }
 
 // The cells that differ by more than noise and shading allow.
@@ -218,37 +242,155 @@ CellFlags odd_cells(const DarkRows& rows, const Consensus& consensus, const Cell
   return beyond.square() * rows.count > static_cast<float>(kBeyondNoise * kBeyondNoise * variance);
 }
 
-ScanBin bin_of(const SymbolRows& symbol, const Consensus& consensus, const PixelSums& even,
-               Eigen::Index bin, double odd, double variance) {
-  const auto count = static_cast<double>(even.count[bin]);
-  const double seen = count + odd;
+// Marks what lies in front of a row. A dark occluder disagrees in spaces, a light one on bars: its
+// stretch of the row is what lies between differing cells that are close together.
+void mark_covers(const DarkRows& rows, const std::vector<Eigen::Index>& odd, int per_module,
+                 CellFlags::ColXpr covered) {
+  const auto bin = [&](std::size_t k) { return rows.bins[static_cast<std::size_t>(odd[k])]; };
+  for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
+    if (k < odd.size() && static_cast<double>(bin(k) - bin(k - 1)) <= kNearModules * per_module) {
+      continue;
+    }
+    const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));
+    if (run >= kProfile.least_run * per_module &&
+        static_cast<double>(k - begin) >= kProfile.least_used * run) {
+      // A pixel's width of the occluder's outline belongs to it too.
+      const Eigen::Index first = std::max<Eigen::Index>(odd[begin] - 1, 0);
+      const Eigen::Index last = std::min(odd[k - 1] + 1, covered.size() - 1);
+      covered.segment(first, last - first + 1) = true;
+    }
+    begin = k;
+  }
+}
+
+// Which cells lie on a stretch of their row with something in front.
+CellFlags covered_cells(const DarkRows& rows, const CellFlags& odd, int per_module) {
+  CellFlags covered = CellFlags::Constant(odd.rows(), odd.cols(), false);
+  for (Eigen::Index row = 0; row < odd.cols(); ++row) {
+    std::vector<Eigen::Index> bins;
+    for (Eigen::Index bin = 0; bin < odd.rows(); ++bin) {
+      if (odd(bin, row)) bins.push_back(bin);
+    }
+    if (!bins.empty()) mark_covers(rows, bins, per_module, covered.col(row));
+  }
+  return covered;
+}
+
+// The bins' rows by state; a cell is odd where it differs from what the rows agree on.
+struct RowsByState {
+  PixelSums clear;    // not odd, not covered
+  PixelSums even;     // not odd
+  PixelSums covered;  // odd or not
+  Bins odd;           // pixels
+  Bins odd_outside;   // of them, outside of covered stretches
+};
+
+RowsByState rows_by_state(const DarkRows& rows, const PixelSums& all, const CellFlags& odd,
+                          int per_module) {
+  const Bins none = Bins::Zero(all.count.size());
+  if (!odd.any()) return {all, all, {none, none, none}, none, none};
+  const CellFlags covered = covered_cells(rows, odd, per_module);
+  const auto pixels = [&](const CellFlags& which) -> Cells { return which.select(rows.count, 0); };
+  return {sums_of(rows, pixels(!odd && !covered)), sums_of(rows, pixels(!odd)),
+          sums_of(rows, pixels(covered)), sums_of(rows, pixels(odd)).count,
+          sums_of(rows, pixels(odd && !covered)).count};
+}
+
+// Variance of the darkness along the symbol, over a window.
+class Modulation {
+ public:
+  void count(const PixelSums& pixels, Eigen::Index bin, double sign) {
+    if (pixels.count[bin] == 0) return;
+    const auto darkness = static_cast<double>(pixels.darkness[bin] / pixels.count[bin]);
+    count_ += sign;
+    sum_ += sign * darkness;
+    squares_ += sign * darkness * darkness;
+  }
+
+  double variance() const {
+    return count_ < 2 ? 0 : std::max(0.0, squares_ / count_ - sum_ * sum_ / (count_ * count_));
+  }
+
+ private:
+  double count_ = 0, sum_ = 0, squares_ = 0;
+};
+
+// Whether a bin's covered cells are to be left out: where they are plain along the symbol and the
+// clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
+// other way round, the clear cells are the occluder.
+std::vector<bool> certain_covers(const RowsByState& rows, int per_module) {
+  const Eigen::Index reach = Eigen::Index{kNearModules} * per_module, size = rows.odd.size();
+  std::vector<bool> certain;
+  Modulation clear, covered;
+  const auto count = [&](Eigen::Index bin, double sign) {
+    clear.count(rows.clear, bin, sign);
+    covered.count(rows.covered, bin, sign);
+  };
+  for (Eigen::Index i = 0; i < std::min(reach, size); ++i) count(i, 1);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    if (i + reach < size) count(i + reach, 1);
+    if (i > reach) count(i - reach - 1, -1);
+    certain.push_back(covered.variance() < kProfile.plainer * clear.variance());
+  }
+  return certain;
+}
+
+ScanBin bin_of(const SymbolRows& symbol, const Consensus& consensus, const RowsByState& rows,
+               Eigen::Index bin, bool certain, double variance) {
+  const PixelSums& used = certain ? rows.clear : rows.even;
+  const auto count = static_cast<double>(used.count[bin]);
+  const auto odd = static_cast<double>(certain ? rows.odd_outside[bin] : rows.odd[bin]);
+  const auto seen = static_cast<double>(rows.even.count[bin] + rows.odd[bin]);
   if (count < kProfile.least_used * seen) {
     return {symbol.module_of(static_cast<double>(consensus.place[bin])),
             static_cast<double>(consensus.median[bin]), kHiddenVariance, 0};
   }
   // Where the rows over the height disagree, the median may have taken the wrong side: the doubt
   // grows from zero at full agreement to the whole contrast where half disagrees.
-  const double doubt = std::min(1.0, 2 * odd / seen);
-  return {symbol.module_of(static_cast<double>(even.place[bin]) / count),
-          static_cast<double>(even.darkness[bin]) / count,
+  const double doubt = std::min(1.0, 2 * odd / (odd + count));
+  return {symbol.module_of(static_cast<double>(used.place[bin]) / count),
+          static_cast<double>(used.darkness[bin]) / count,
           variance / count + kModelVariance + doubt * doubt * doubt * doubt, count / seen};
 }
 
+// A profile, and the variance of a pixel's darkness where no cell is odd.
+struct AgreeingRows {
+  ScanProfile profile;
+  std::optional<double> pixel_variance;
+};
+
 // For each bin the mean darkness of those rows that are near their median, with the doubt that the
 // other rows cause.
-ScanProfile profile_of_agreeing(const SymbolRows& rows, const DarkRows& dark) {
+AgreeingRows profile_of_agreeing(const SymbolRows& rows, const DarkRows& dark) {
   if (dark.bins.empty()) return {};
   const PixelSums all = sums_of(dark, dark.count);
   const Consensus consensus = consensus_of(dark, all);
   const Cells off = differences(dark, consensus);
   const double variance = pixel_variance(dark, off);
   const CellFlags odd = odd_cells(dark, consensus, off, variance);
-  const PixelSums even = odd.any() ? sums_of(dark, odd.select(0, dark.count)) : all;
+  const RowsByState by_state = rows_by_state(dark, all, odd, rows.bins_per_module);
+  const std::vector<bool> certain = certain_covers(by_state, rows.bins_per_module);
+  ScanProfile profile;
+  profile.reserve(certain.size());
+  for (std::size_t i = 0; i < certain.size(); ++i) {
+    profile.push_back(
+        bin_of(rows, consensus, by_state, static_cast<Eigen::Index>(i), certain[i], variance));
+  }
+  return {std::move(profile), odd.any() ? std::nullopt : std::optional(variance)};
+}
+
+// The same of some of the rows where no cell of all is odd.
+ScanProfile profile_of_even_rows(const SymbolRows& rows, const DarkRows& dark,
+                                 const RowRange& range, double pixel_variance) {
+  const PixelSums sums = sums_of(dark, dark.count, range);
   ScanProfile profile;
   profile.reserve(dark.bins.size());
-  for (Eigen::Index bin = 0; bin < even.count.size(); ++bin) {
-    const auto odd_pixels = static_cast<double>(all.count[bin] - even.count[bin]);
-    profile.push_back(bin_of(rows, consensus, even, bin, odd_pixels, variance));
+  for (Eigen::Index bin = 0; bin < sums.count.size(); ++bin) {
+    const auto count = static_cast<double>(sums.count[bin]);
+    if (count == 0) continue;
+    profile.push_back({rows.module_of(static_cast<double>(sums.place[bin]) / count),
+                       static_cast<double>(sums.darkness[bin]) / count,
+                       pixel_variance / count + kModelVariance, 1});
   }
   return profile;
 }
@@ -324,11 +466,11 @@ void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {
   }
 }
 
-// The fine rows of a symbol without what strips along its bars hide.
+// The fine rows of a symbol without what occluders hide.
 SymbolRows rows_in_sight(const GrayView& image, const RefinedFrame& frame,
                          const SymbolLayout& layout) {
   SymbolRows rows(image, frame.corners, frame.lens, layout, RowHeight::fine);
-  hide_behind(strips_along_bars(image, frame, layout), rows);
+  hide_behind(find_occluders(image, frame, layout), rows);
   return rows;
 }
 
@@ -419,7 +561,16 @@ SymbolProfile RobustProfile::finished(ScanProfile bins, const SymbolRows& rows) 
 
 SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
   const RowRange range = rows_between(rows_, used_heights(part, rows_.layout));
-  return finished(profile_of_agreeing(rows_, part_of(dark_, range)), rows_);
+  AgreeingRows agreeing = profile_of_agreeing(rows_, part_of(dark_, range));
+  SymbolProfile profile = finished(std::move(agreeing.profile), rows_);
+  profile.pixel_variance = agreeing.pixel_variance;
+  return profile;
+}
+
+SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part, const SymbolProfile& whole) const {
+  if (!whole.pixel_variance) return of_agreeing_rows(part);
+  const RowRange range = rows_between(rows_, used_heights(part, rows_.layout));
+  return finished(profile_of_even_rows(rows_, dark_, range, *whole.pixel_variance), rows_);
 }
 
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {

@@ -36,6 +36,8 @@ struct SymbolProfile {
   double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
   double pixel = 0;      // width of a pixel across the bars, modules: beside it
   bool is_evened = false;  // shadows on the plate were evened out (uneven_light.hpp)
+  // Variance of a pixel's darkness, of rows that agree everywhere.
+  std::optional<double> pixel_variance{};
 };
 
 // A part of the bars' height, from the upper end of the bars (0) to the lower one (1).
@@ -59,12 +61,15 @@ class RobustProfile {
   // Where the rows agree, by the white and black of the frame's sides: for each place the mean of
   // the rows that are near their median. Quick.
   SymbolProfile of_agreeing_rows(HeightShare part = {}) const;
+  // Of a part of the bars' height: where all rows agreed in the profile of the whole, the mean of
+  // these.
+  SymbolProfile of_agreeing_rows(HeightShare part, const SymbolProfile& whole) const;
 
   // Where they do not. The darkness common to the rows is determined together with each row's own
   // local white and contrast (about ten modules long), so that glare, shadows and thin dust only
-  // lessen a row's weight; stretches of rows that do not follow the others, and strips along
-  // the bars (strips_along_bars), do not count at all. Places that no row shows get a variance so
-  // large that they carry no information.
+  // lessen a row's weight; stretches of rows that do not follow the others, and occluders across
+  // the tag (find_occluders), do not count at all. Places that no row shows get a variance so large
+  // that they carry no information.
   SymbolProfile of_all_rows(AddedLight added) const;
 
   const SymbolLayout& layout() const { return rows_.layout; }

@@ -19,9 +19,12 @@ struct ProfileTuning {
   // What rows agree on.
   float model_error = 0.02F;  // an error that averaging cannot remove
   float least_shown = 0.05F;  // of the rows
-  double least_used = 0.2;    // of a bin's pixels that agree
+  double least_used = 0.2;    // of a bin's pixels that agree; of a covered stretch's cells, odd
   double shading = 0.1;       // differences along a clean bar, and the error of a few rows
   double slanted = 0.35;      // of the steepest change: what a slope misses of a bend
+  // Stretches of a row that something covers.
+  double least_run = 2;  // modules
+  double plainer = 0.4;  // variance of covered cells against that of clear ones
   // Rows of their own light, each stretch fitted to what all have in common.
   float most_variance = 3;        // times the usual one
   float model_variance = 0.006F;  // of the contrast squared: 8 % off anywhere

@@ -278,8 +278,7 @@ TEST_CASE("of two readings in one place one stays, and none where their digits d
     }
     REQUIRE(result.rejected.size() == 2);
     // What was refused of the large one before it was read is told in place of that.
-    CHECK(result.rejected[0].reason == RejectionReason::doubtful);
-    CHECK(farthest_apart(result.rejected[0].corners, large.corners()) < 2);
+    CHECK(result.rejected[0].reason == RejectionReason::element_widths);
     CHECK(result.rejected[1].reason == RejectionReason::doubtful);
   }
 }

@@ -25,6 +25,21 @@ bool hides(const std::vector<Occluder>& strips, double v, double begin, double e
 
 }  // namespace
 
+TEST_CASE("a strap that shines brighter than the plate is found from side to side") {
+  DrawnSymbol symbol(kDrawnDigits, 4);
+  for (std::uint8_t& sample : symbol.image.samples) sample = static_cast<std::uint8_t>(sample / 2);
+  const int height = symbol.height(), top = height * 2 / 5, bottom = height / 2;
+  symbol.fill(-DrawnSymbol::kMargin, top, symbol.width() + DrawnSymbol::kMargin, bottom, 250);
+  const std::vector<Occluder> strips =
+      find_occluders(symbol.image.view(), symbol.frame(), SymbolLayout{});
+  CHECK(std::ranges::any_of(strips, [](const Occluder& strip) {
+    const HiddenWidth above = hidden_width(strip, 0.38), within = hidden_width(strip, 0.45),
+                      below = hidden_width(strip, 0.52);
+    return within.begin < 0.05 && within.end > 0.95 && above.end < above.begin &&
+           below.end < below.begin;
+  }));
+}
+
 TEST_CASE("a strip along the bars is found by the white above and below them") {
   for (const int module : {30, 60}) {
     CAPTURE(module);

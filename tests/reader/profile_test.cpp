@@ -137,7 +137,25 @@ TEST_CASE("rows that agree give the modules") {
   for (const ScanBin& bin : profile.bins) CHECK(bin.agreement == doctest::Approx(1));
 }
 
-TEST_CASE("what some rows show otherwise makes its place doubtful") {
+TEST_CASE("an occluder over some rows is left out there without making the others doubtful") {
+  DrawnSymbol symbol(kDrawnDigits, 4);
+  // A board over a quarter of the bars' height and twenty modules.
+  const int top = static_cast<int>(0.2 * symbol.height());
+  const int bottom = top + static_cast<int>(0.25 * 0.674 * symbol.height());
+  symbol.fill(4 * 40, top, 4 * 60, bottom, DrawnSymbol::kBlack);
+  const SymbolProfile profile =
+      RobustProfile(symbol.image.view(), symbol.frame(), SymbolLayout{}).of_agreeing_rows();
+  CHECK(farthest_off(profile.bins) < 0.05);
+  for (const ScanBin& bin : profile.bins) {
+    CAPTURE(bin.at);
+    if (bin.at > 32.5 && bin.at < 49.5) CHECK(bin.agreement < 0.85);
+    if (bin.at < 29 || bin.at > 53) CHECK(bin.agreement == doctest::Approx(1));
+    const double part = bin.at - std::floor(bin.at);
+    if (part > 0.33 && part < 0.67) CHECK(bin.variance < 0.01);
+  }
+}
+
+TEST_CASE("a speck that is too small for an occluder makes its place doubtful") {
   DrawnSymbol symbol(kDrawnDigits, 4);
   const auto modules = modules_of(kDrawnDigits);
   int space = 20;
