@@ -85,9 +85,11 @@ bool is_lit(const GrayView& image) {
 }
 
 // Whether bars are as broad as they were drawn, to a fifth of a pixel, as through the right curve.
+// A tag that is partly covered says too little of that.
 bool is_right_tone(const std::vector<Reading>& tags) {
   return std::ranges::all_of(tags, [](const Reading& tag) {
-    return tag.symbol && std::abs(growth_of(*tag.symbol).px) < 0.2;
+    return tag.symbol && tag.method == ReadingMethod::frame &&
+           std::abs(growth_of(*tag.symbol).px) < 0.2;
   });
 }
 
