@@ -36,10 +36,10 @@ CornerCovariance corners_by_places(const Quad& corners) {
 // The error of a side's places beyond what noise explains. Pixel locking is a wave along the side
 // with one period for each pixel that it crosses: the mean of the wave moves the side, and the line
 // that fits it best turns the side.
-Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double displaced) {
+Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double locking,
+                            double displaced) {
   const PixelPoint d = frame.corners[(i + 1) % 4] - frame.corners[i];
   const double phase = std::numbers::pi * std::min(std::abs(d.x), std::abs(d.y));
-  const double locking = pixel_locking(frame);
   const double moved = std::hypot(locking, 2 * displaced) * std::abs(std::sph_bessel(0, phase));
   const double turned = 3 * locking * std::sph_bessel(1, phase);
   const double blurred =
@@ -79,9 +79,10 @@ double pixel_locking(const RefinedFrame& frame) {
 
 CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced, double alike) {
   CornerCovariance of_places = of_displaced_edges(frame, displaced, alike);
+  const double locking = pixel_locking(frame);
   for (std::size_t i = 0; i < 4; ++i) {
     of_places.block<2, 2>(index(2 * i), index(2 * i)) +=
-        kCorner.alike * frame.sides[i].covariance + unexplained(frame, i, displaced);
+        kCorner.alike * frame.sides[i].covariance + unexplained(frame, i, locking, displaced);
   }
   const CornerCovariance by_places = corners_by_places(frame.corners);
   return by_places * of_places * by_places.transpose();
