@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <utility>
@@ -53,6 +54,17 @@ struct TagSearch::State {
     tags = detector.found().tags();
   }
 
+  // Reads again in the frames that another look found.
+  void look_in_frames(const TagHypotheses& others) {
+    const PyramidLevel level{.image = picture.image()};
+    for (const TagHypothesis& other : others.all()) {
+      if (other.frame) detector.consider(RoughFrame{level, other.frame->corners});
+    }
+    detector.try_doubtful();
+    detector.try_likely_codes();
+    tags = detector.found().tags();
+  }
+
   ReadOptions options;
   GrayView image;
   std::optional<GrayImage> by_light;  // where its samples are taken to be in proportion to light
@@ -61,7 +73,8 @@ struct TagSearch::State {
   Detector detector;
   SearchContext search{picture, options, detector.found(),
                        [this](const Proposal& proposal) { detector.consider(proposal); }};
-  std::vector<Reading> tags;  // after each of the two steps
+  std::vector<Reading> tags;                 // after each of the two steps
+  std::vector<Rejection> refused_as_linear;  // where the look at linear samples was not taken
   bool is_done = false;
 };
 
@@ -108,6 +121,20 @@ bool are_among(const std::vector<Reading>& tags, const std::vector<Reading>& oth
   });
 }
 
+// Adds the readings that another look refused at places of which this result says nothing.
+void add_refused(std::vector<Rejection> others, ReadResult& result) {
+  std::erase_if(others, [&](const Rejection& other) {
+    const auto is_there = [&](const auto& one) {
+      return contains(one.corners, centre_of(other.corners));
+    };
+    return other.reason != RejectionReason::doubtful ||
+           std::ranges::any_of(result.tags, is_there) ||
+           std::ranges::any_of(result.rejected, is_there) ||
+           std::ranges::any_of(result.parts, is_there);
+  });
+  std::ranges::move(others, std::back_inserter(result.rejected));
+}
+
 }  // namespace
 
 TagSearch::TagSearch(const GrayView& image, const ReadOptions& options)
@@ -124,21 +151,25 @@ void TagSearch::look_closer() {
   if (!state_->search.is_searched || state_->is_done) return;
   state_->is_done = true;
   state_->look_closer();
-  if (!may_be_linear(state_->tags) || !is_lit(state_->image)) return;
+  const TagHypotheses& found = state_->detector.found();
+  if (!found.has_frames() || !may_be_linear(state_->tags) || !is_lit(state_->image)) return;
   auto linear = std::make_unique<State>(state_->image, state_->options, true);
   linear->is_done = true;
-  linear->look(kFirstLook);
-  linear->look_closer();
+  linear->look_in_frames(found);
   if (explained(linear->tags) > explained(state_->tags) && is_right_tone(linear->tags) &&
       are_among(state_->tags, linear->tags)) {
     state_ = std::move(linear);
+  } else {
+    state_->refused_as_linear = linear->detector.result().rejected;
   }
 }
 
 const std::vector<Reading>& TagSearch::tags() const { return state_->tags; }
 
 ReadResult TagSearch::result() const {
-  return with_frameless(state_->picture, state_->options, state_->detector.result());
+  ReadResult result = state_->detector.result();
+  add_refused(state_->refused_as_linear, result);
+  return with_frameless(state_->picture, state_->options, std::move(result));
 }
 
 ReadResult read_tags(const GrayView& image, const ReadOptions& options) {

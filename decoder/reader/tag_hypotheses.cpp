@@ -132,6 +132,11 @@ bool TagHypotheses::has_read_any() const {
   return any_reading([](const Reading&) { return true; });
 }
 
+bool TagHypotheses::has_frames() const {
+  return std::ranges::any_of(
+      all_, [](const TagHypothesis& hypothesis) { return hypothesis.frame.has_value(); });
+}
+
 bool TagHypotheses::has_read(const ExpectedTag& expected) const {
   return any_reading([&](const Reading& tag) {
     for (std::size_t i = 0; i < 4; ++i) {

@@ -93,6 +93,9 @@ class TagHypotheses {
 
   bool has_read_any() const;
 
+  // Whether there is a frame, read or refused.
+  bool has_frames() const;
+
   // Whether an expected tag has been read where it should be.
   bool has_read(const ExpectedTag& expected) const;
 

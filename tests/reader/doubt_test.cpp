@@ -101,6 +101,7 @@ TEST_CASE("a reading below the border of confidence is refused, and said to be d
             std::ranges::find(usual.rejected, RejectionReason::doubtful, &Rejection::reason);
         // Without a border, another tone curve may have read what this one refuses otherwise.
         if (refused == usual.rejected.end()) {
+          CHECK(!usual.rejected.empty());
           ++by_other_curve;
           continue;
         }
@@ -117,7 +118,7 @@ TEST_CASE("a reading below the border of confidence is refused, and said to be d
 }
 
 TEST_CASE("tags of a camera without a tone curve are read from as far as others") {
-  for (const double module_px : {0.5, 0.7, 1.0}) {
+  for (const double module_px : {0.42, 0.46, 0.5, 0.7, 1.0}) {
     CAPTURE(module_px);
     std::array<int, 2> read{};
     for (const SensorTone tone : {SensorTone::srgb, SensorTone::linear}) {
@@ -131,7 +132,8 @@ TEST_CASE("tags of a camera without a tone curve are read from as far as others"
         read[tone == SensorTone::linear ? 1 : 0] += static_cast<int>(result.tags.size());
       }
     }
-    CHECK(read[0] >= 10);
+    MESSAGE(module_px, " px a module: sRGB ", read[0], ", linear ", read[1], " of 12");
+    CHECK(read[1] >= (module_px < 0.5 ? 8 : 10));
     CHECK(read[1] >= read[0] - 2);
   }
 }
