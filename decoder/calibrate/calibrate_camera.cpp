@@ -524,8 +524,8 @@ Result<void> check_views(std::span<const BoardView> views) {
 
 Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
                                            std::span<const Board> boards) {
-  if (auto checked = check_boards(boards); !checked) return tl::unexpected(checked.error());
-  if (auto checked = check_views(views); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_boards(boards); !checked) return fail(checked);
+  if (auto checked = check_views(views); !checked) return fail(checked);
   // For a lens that bends little either model is right: both are compared form by form.
   auto [better, other, compare] = best_fits(calibration_problem(views, boards));
   const auto fit_all = [&, &better = better, &other = other, compare = compare] {
@@ -616,11 +616,11 @@ std::string objections_in_words(std::span<const BoardView> views) {
 
 Result<PhotoCalibration> calibrate_photos(const PhotoSource& photos, std::span<const Board> boards,
                                           const PhotoCalibrationOptions& options) {
-  if (auto checked = check_boards(boards); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_boards(boards); !checked) return fail(checked);
   auto views = read_all(photos, 0, options, [&](const GrayView& image, std::size_t i) {
     return read_board_view(image, photos.files[i], boards);
   });
-  if (!views) return tl::unexpected(views.error());
+  if (!views) return fail(views);
   object_to_views(boards, *views);
   auto first = calibrate_camera(*views, boards);
   if (!first) return fail(first.error().message + objections_in_words(*views));
@@ -628,9 +628,9 @@ Result<PhotoCalibration> calibrate_photos(const PhotoSource& photos, std::span<c
       read_all(photos, photos.files.size(), options, [&](const GrayView& image, std::size_t i) {
         return read_board_view_again(image, (*views)[i], boards, guess_for(*first, i));
       });
-  if (!again) return tl::unexpected(again.error());
+  if (!again) return fail(again);
   auto calibration = calibrate_camera(*again, boards);
-  if (!calibration) return tl::unexpected(calibration.error());
+  if (!calibration) return fail(calibration);
   return PhotoCalibration{std::move(*calibration), std::move(*again)};
 }
 

@@ -138,7 +138,7 @@ Result<PhotoCounts> read_lines(const AdjustInput& input,
       if (file.revision != revision) ++photo_counts.others;
       take(file);
     });
-    if (!counts) return fail(counts.error().message);
+    if (!counts) return fail(counts);
     if (counts->files == 0) {
       return fail(path.string() + ": has no line of `verify --json`");
     }
@@ -170,12 +170,12 @@ Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
                 ": expected a name that ends with .pdf, .svg or .png");
   }
   Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
+  if (!survey) return fail(survey);
   CommandFiles files;
   Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
-  if (!hanging) return fail(hanging.error().message);
+  if (!hanging) return fail(hanging);
   Result<std::vector<std::string>> control = control_tags(options, *survey);
-  if (!control) return fail(control.error().message);
+  if (!control) return fail(control);
   AdjustInput input{std::move(*survey), std::move((*hanging)->setup), {}, {}, std::move(*control)};
   std::vector<std::string> photos;
   for (const std::string& file : options.files) {
@@ -190,7 +190,7 @@ Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
     return fail("FILE is required: output of `verify --json`, photos, or --run");
   }
   const Result<FileList> list = list_files(photos, image_extensions(), std::cin);
-  if (!list) return fail(list.error().message);
+  if (!list) return fail(list);
   input.photos = list->files;
   files.reads(input.survey);
   for (const fs::path& file : input.lines) files.reads(file, "the lines");
@@ -198,7 +198,7 @@ Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
   files.writes(options.output, "--output");
   files.writes(options.diff, "--diff");
   files.writes(options.drawing, "--drawing");
-  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  if (const auto usable = files.check(); !usable) return fail(usable);
   return input;
 }
 
@@ -206,14 +206,14 @@ Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
 // reported on standard error.
 Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs) {
   const Result<std::vector<VerifiedFile>> photos = verify_photos(input, jobs);
-  if (!photos) return fail(photos.error().message);
+  if (!photos) return fail(photos);
   std::vector<SightedTag> all;
   std::vector<std::string> notes;
   PhotoCounts photo_counts;
   const EachFile files = [&](const auto& take) -> Result<void> {
     for (const VerifiedFile& file : *photos) take(file);
     const Result<PhotoCounts> read = read_lines(input, take);
-    if (!read) return fail(read.error().message);
+    if (!read) return fail(read);
     photo_counts = *read;
     return {};
   };
@@ -222,7 +222,7 @@ Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs)
                                         all.insert(all.end(), tags.begin(), tags.end());
                                         if (!note.empty()) notes.push_back(note);
                                       });
-  if (!taken) return fail(taken.error().message);
+  if (!taken) return fail(taken);
   if (photo_counts.others > 0) {
     to_stderr("{}: {} photos were verified against another state of the survey and left out\n",
               kAdjust, photo_counts.others);
@@ -491,9 +491,9 @@ Result<void> write_survey(const AdjustOptions& options, const Survey& survey,
                           const AsBuiltSurvey& found) {
   if (options.output.empty() && options.diff.empty()) return {};
   const Result<std::string> text = read_file(options.survey);
-  if (!text) return fail(text.error().message);
+  if (!text) return fail(text);
   const Result<std::string> changed = as_built_text(options, *text, survey, found);
-  if (!changed) return fail(changed.error().message);
+  if (!changed) return fail(changed);
   if (!options.diff.empty()) {
     auto written =
         write_file(options.diff, unified_diff(options.survey, *text, options.survey, *changed));
@@ -506,9 +506,9 @@ Result<void> write_drawing(const AdjustOptions& options, const Survey& survey,
                            const AsBuiltSurvey& found) {
   if (options.drawing.empty()) return {};
   const auto sheets = draw_as_built(survey, found);
-  if (!sheets) return fail(sheets.error().message);
+  if (!sheets) return fail(sheets);
   const auto files = render_sheets(*sheets, options.drawing);
-  if (!files) return fail(files.error().message);
+  if (!files) return fail(files);
   for (const SheetFile& file : *files) {
     if (auto written = write_file(file.path, file.bytes); !written) return written;
   }
@@ -576,9 +576,9 @@ void warn_of_unchecked(const std::vector<ControlGroup>& groups) {
 
 Result<int> run(const AdjustOptions& options) {
   const Result<AdjustInput> input = load_adjust_input(options);
-  if (!input) return fail(input.error().message);
+  if (!input) return fail(input);
   const Result<std::vector<SightedTag>> sighted = sighted_tags(*input, options.jobs);
-  if (!sighted) return fail(sighted.error().message);
+  if (!sighted) return fail(sighted);
   print_assumptions(kAdjust, assumptions({&input->survey, 1}, input->setup.rig));
   if (const auto doubt = rig_doubt(input->survey, input->setup.rig, *sighted)) {
     to_stderr("{}: the rig is in doubt, and nothing was adjusted: {}\n", kAdjust, *doubt);
@@ -590,7 +590,7 @@ Result<int> run(const AdjustOptions& options) {
   judge_control(input->survey, *found);
   options.json ? print_json(input->survey, *found) : print_words(input->survey, *found);
   if (const auto drawn = write_drawing(options, input->survey, *found); !drawn) {
-    return fail(drawn.error().message);
+    return fail(drawn);
   }
   auto reason = reason_not_to_write(*found, input->control);
   if (!reason && count_of(*found, AsBuiltStatus::control) == 1) {
@@ -605,7 +605,7 @@ Result<int> run(const AdjustOptions& options) {
     return kExitFindings;
   }
   const auto written = write_survey(options, input->survey, *found);
-  if (!written) return fail(written.error().message);
+  if (!written) return fail(written);
   return count_of(*found, AsBuiltStatus::undetermined) > 0 ? kExitFindings : kExitOk;
 }
 

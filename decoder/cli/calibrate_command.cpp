@@ -271,10 +271,10 @@ Result<std::vector<Board>> load_boards(const BoardCalibrationOptions& options) {
   std::vector<Board> boards;
   for (const std::string& file : options.boards) {
     Result<Board> board = load_board(file);
-    if (!board) return fail(board.error().message);
+    if (!board) return fail(board);
     boards.push_back(std::move(*board));
   }
-  if (auto checked = check_boards(boards); !checked) return fail(checked.error().message);
+  if (auto checked = check_boards(boards); !checked) return fail(checked);
   return boards;
 }
 
@@ -304,7 +304,7 @@ CalibratedIntrinsics intrinsics_of(const BoardCalibrationOptions& options,
 Result<void> check_rig(const BoardCalibrationOptions& options) {
   if (options.rig.empty()) return {};
   const Result<std::string> text = read_file(options.rig);
-  if (!text) return fail(text.error().message);
+  if (!text) return fail(text);
   const auto edited = rig_with_calibration(*text, options.camera, intrinsics_of(options, {1, 1}));
   return edited ? Result<void>{} : fail(options.rig + ": " + edited.error().message);
 }
@@ -338,7 +338,7 @@ class Loader {
     const std::lock_guard lock(mutex_);
     if (!image) {
       broken_[i] = image.error().message;
-      return fail(image.error().message);
+      return fail(image);
     }
     sizes_.insert({image->image.width, image->image.height});
     if (!image->warning.empty()) damaged_[i] = damaged_in_words(image->warning);
@@ -391,7 +391,7 @@ Result<CalibrationOutcome> calibrate(const BoardCalibrationOptions& options,
   if (const auto broken = loader.broken(); !broken.empty()) {
     return fail(fmt::format("{}", fmt::join(broken, "\n")));
   }
-  if (!found && loader.has_several_sizes()) return fail(found.error().message);
+  if (!found && loader.has_several_sizes()) return fail(found);
   if (!found) return CalibrationOutcome{std::nullopt, {found.error().message}};
   BoardCalibration result{camera_name(options),
                           std::move(boards),
@@ -438,9 +438,9 @@ Result<std::string> rig_text(const BoardCalibrationOptions& options, const Board
   const CalibratedIntrinsics intrinsics = intrinsics_of(options, rig_sigma(result.calibration));
   const fs::path target = fs::absolute(options.output);
   const Result<StagedFiles> waiting = StagedFiles::begin(target.parent_path());
-  if (!waiting) return fail(waiting.error().message);
+  if (!waiting) return fail(waiting);
   if (auto added = waiting->add(target.filename(), camera_file); !added) {
-    return fail(added.error().message);
+    return fail(added);
   }
   CalibratedIntrinsics staged = intrinsics;
   staged.file = waiting->staged(target.filename()).string();
@@ -471,7 +471,7 @@ Result<std::vector<SheetFile>> camera_files(const BoardCalibrationOptions& optio
   files.push_back({options.output, std::move(*text)});
   if (options.rig.empty()) return files;
   Result<std::string> rig = rig_text(options, result, files.front().bytes);
-  if (!rig) return fail(rig.error().message);
+  if (!rig) return fail(rig);
   files.push_back({options.rig, std::move(*rig)});
   return files;
 }
@@ -483,7 +483,7 @@ Result<std::vector<SheetFile>> all_files(const BoardCalibrationOptions& options,
   if (!options.html.empty()) files->push_back({options.html, calibration_page(result)});
   if (options.drawing.empty()) return files;
   const Result<std::vector<Sheet>> sheets = draw_calibration(result);
-  if (!sheets) return fail(sheets.error().message);
+  if (!sheets) return fail(sheets);
   Result<std::vector<SheetFile>> drawn = render_sheets(*sheets, options.drawing);
   if (!drawn) return drawn;
   files->insert(files->end(), drawn->begin(), drawn->end());
@@ -550,8 +550,8 @@ int report_no_camera(const BoardCalibrationOptions& options, std::size_t photos,
 
 Result<int> report(const BoardCalibrationOptions& options, const BoardCalibration& result) {
   const Result<std::vector<SheetFile>> files = all_files(options, result);
-  if (!files) return fail(files.error().message);
-  if (auto written = publish_files(*files); !written) return fail(written.error().message);
+  if (!files) return fail(files);
+  if (auto written = publish_files(*files); !written) return fail(written);
   std::vector<std::string> names;
   for (const SheetFile& file : *files) names.push_back(file.path.string());
   if (options.json) {
@@ -572,14 +572,14 @@ Result<int> report(const BoardCalibrationOptions& options, const BoardCalibratio
 // Reads, fits, prints and writes; the exit code. Fails on wrong use and on input that cannot be
 // read.
 Result<int> calibrate_by_boards(const BoardCalibrationOptions& options) {
-  if (auto right = check_options(options); !right) return fail(right.error().message);
+  if (auto right = check_options(options); !right) return fail(right);
   Result<std::vector<Board>> boards = load_boards(options);
-  if (!boards) return fail(boards.error().message);
+  if (!boards) return fail(boards);
   const Result<FileList> list = list_files(options.photos, image_extensions(), std::cin);
-  if (!list) return fail(list.error().message);
-  if (auto usable = check_files(options, list->files); !usable) return fail(usable.error().message);
+  if (!list) return fail(list);
+  if (auto usable = check_files(options, list->files); !usable) return fail(usable);
   const Result<CalibrationOutcome> outcome = calibrate(options, std::move(*boards), list->files);
-  if (!outcome) return fail(outcome.error().message);
+  if (!outcome) return fail(outcome);
   if (!list->skipped.empty()) {
     to_stderr("tagsmith calibrate: skipped, no pictures: {}\n", skipped_in_words(list->skipped));
   }

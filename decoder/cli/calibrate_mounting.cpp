@@ -163,7 +163,7 @@ double sigma_on_vehicle(const MountingFit& fit, const Rig& rig, const FittedMoun
 Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFit& fit,
                        const Rig& rig) {
   auto text = read_file(options.rig);
-  if (!text) return fail(text.error().message);
+  if (!text) return fail(text);
   for (const FittedMounting& mounting : fit.cameras) {
     if (mounting.tags == 0) continue;
     const Pose& pose = mounting.vehicle_from_camera;
@@ -242,8 +242,8 @@ std::string camera_of_other_place(const MountingFit& fit, const Rig& rig) {
 
 Result<int> calibrate_mounting(const CalibrateMountingOptions& options) {
   const Result<SurveyedRun> input = load_surveyed_run(options.survey, options.rig, options.run);
-  if (!input) return tl::unexpected(input.error());
-  if (auto usable = check_files(options, *input); !usable) return tl::unexpected(usable.error());
+  if (!input) return fail(input);
+  if (auto usable = check_files(options, *input); !usable) return fail(usable);
   const std::vector<Survey> surveys{input->survey};
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
   std::vector<Observation> rows =
@@ -261,7 +261,7 @@ Result<int> calibrate_mounting(const CalibrateMountingOptions& options) {
   options.json ? print_json(*fit, *input) : print_words(*fit, *input);
   if (!options.output.empty()) {
     const auto written = write_rig(options, *fit, input->rig);
-    if (!written) return tl::unexpected(written.error());
+    if (!written) return fail(written);
   }
   std::string doubt = camera_of_contradictions(*fit);
   if (doubt.empty()) doubt = camera_of_other_place(*fit, input->rig);

@@ -94,11 +94,11 @@ Result<std::vector<fs::path>> print_tags(const Demo& demo) {
   style.revision = survey_revision(demo.survey);
   style.jobs = demo.jobs;
   const Result<PrintJob> job = plan_print(demo.survey, tags, style);
-  if (!job) return fail(job.error().message);
+  if (!job) return fail(job);
   CommandFiles files;
   files.reads(demo.survey);
   const Result<PrintRecord> record = run_print(*job, folder, std::move(files));
-  if (!record) return fail(record.error().message);
+  if (!record) return fail(record);
   return pdfs;
 }
 
@@ -282,11 +282,11 @@ Result<void> check_files(const Demo& demo) {
 }
 
 Result<bool> run_steps(const Demo& demo) {
-  if (auto usable = check_files(demo); !usable) return fail(usable.error().message);
+  if (auto usable = check_files(demo); !usable) return fail(usable);
   to_stdout("{:<10} {}: {} tags, no findings\n", "validate", demo.survey.file.string(),
             demo.survey.tags.size());
   const Result<std::vector<fs::path>> pdfs = print_tags(demo);
-  if (!pdfs) return fail(pdfs.error().message);
+  if (!pdfs) return fail(pdfs);
   to_stdout("{:<10} {} tags as PDF and SVG\n", "print", pdfs->size());
   const Verified prints = verify_files(demo, *pdfs);
   const bool prints_are_well = show(demo, "prints", prints);
@@ -301,7 +301,7 @@ Result<bool> run_steps(const Demo& demo) {
         save_lines(demo.folder / kPhotoLines, demo, photos),
         write_file(demo.folder / kPositions,
                    table + reasons_of(located.jointly) + reasons_of(located.by_paper))}) {
-    if (!saved) return fail(saved.error().message);
+    if (!saved) return fail(saved);
   }
   show_files(demo);
   return prints_are_well && photos_are_well;

@@ -91,11 +91,11 @@ Result<FileList> list_files(const std::vector<std::string>& arguments,
     std::error_code ignored;
     if (argument == "-") {
       Result<std::vector<fs::path>> more = files_from(standard_input);
-      if (!more) return fail(more.error().message);
+      if (!more) return fail(more);
       std::ranges::move(*more, std::back_inserter(list.files));
     } else if (fs::is_directory(argument, ignored)) {
       if (auto added = add_files_in(argument, extensions, list); !added) {
-        return fail(added.error().message);
+        return fail(added);
       }
     } else {
       list.files.emplace_back(argument);

@@ -67,7 +67,7 @@ Result<Measurement> measurement_from(const Json& object, const Rig& rig) {
   }
   Measurement measurement;
   for (const auto& [key, value] : object.items()) {
-    if (auto taken = take(measurement, rig, key, value); !taken) return fail(taken.error().message);
+    if (auto taken = take(measurement, rig, key, value); !taken) return fail(taken);
   }
   return measurement;
 }

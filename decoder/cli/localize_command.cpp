@@ -89,19 +89,19 @@ struct LocalizeInput {
 Result<std::vector<Survey>> surveys_of(const LocalizeOptions& options) {
   if (options.own_template.empty()) return load_surveys(options.surveys);
   auto survey = survey_of_codes(options.own_template, *options.width);
-  if (!survey) return fail(survey.error().message);
+  if (!survey) return fail(survey);
   return std::vector<Survey>{std::move(*survey)};
 }
 
 Result<LocalizeInput> load(const LocalizeOptions& options) {
   auto surveys = surveys_of(options);
-  if (!surveys) return fail(surveys.error().message);
-  if (const auto one = check_one_grid(*surveys); !one) return fail(one.error().message);
+  if (!surveys) return fail(surveys);
+  if (const auto one = check_one_grid(*surveys); !one) return fail(one);
   auto rig = load_rig(options.rig);
-  if (!rig) return fail(rig.error().message);
+  if (!rig) return fail(rig);
   if (options.follow) return LocalizeInput{std::move(*surveys), std::move(*rig), {}};
   auto run = load_run(options.run, *rig);
-  if (!run) return fail(run.error().message);
+  if (!run) return fail(run);
   return LocalizeInput{std::move(*surveys), std::move(*rig), std::move(*run)};
 }
 
@@ -340,9 +340,9 @@ Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& in
   std::vector<SheetFile> files;
   if (!options.drawing.empty()) {
     const auto sheets = draw_run(input.surveys.front(), input.rig, input.run, fixes);
-    if (!sheets) return tl::unexpected(sheets.error());
+    if (!sheets) return fail(sheets);
     auto pages = render_sheets(*sheets, options.drawing);
-    if (!pages) return tl::unexpected(pages.error());
+    if (!pages) return fail(pages);
     files = std::move(*pages);
     if (auto usable = check_files(options, input, files); !usable) return usable;
   }
@@ -351,7 +351,7 @@ Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& in
   }
   if (!options.tum.empty()) {
     auto text = fixes_tum(fixes, input.run, input.surveys);
-    if (!text) return tl::unexpected(text.error());
+    if (!text) return fail(text);
     files.push_back({options.tum, std::move(*text)});
   }
   return publish_files(files);
@@ -361,7 +361,7 @@ Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& in
 Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
                             const std::vector<Fix>& fixes) {
   Result<StagedFiles> files = StagedFiles::begin(folder);
-  if (!files) return fail(files.error().message);
+  if (!files) return fail(files);
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     if (fixes[i].corners.empty()) continue;
     auto added = files->add(picture_name(i + 1, fixes[i].id), residual_picture(fixes[i], rig));
@@ -445,20 +445,20 @@ Result<void> check_options(const LocalizeOptions& options) {
 Result<int> run_localize(LocalizeOptions options) {
   options.unsurveyed = options.unsurveyed || !options.own_template.empty();
   if (const auto usable = check_options(options); !usable) {
-    return tl::unexpected(usable.error());
+    return fail(usable);
   }
   const Result<LocalizeInput> input = load(options);
-  if (!input) return tl::unexpected(input.error());
+  if (!input) return fail(input);
   print_assumptions(kLocalize, assumed(*input, options));
   if (options.follow) {
     return follow(live_input(*input, options));
   }
   if (const auto usable = check_files(options, *input, {}); !usable) {
-    return tl::unexpected(usable.error());
+    return fail(usable);
   }
   if (options.smooth) {
     if (const auto usable = check_times(input->run); !usable) {
-      return tl::unexpected(usable.error());
+      return fail(usable);
     }
   }
   std::vector<Observation> rows =
@@ -479,7 +479,7 @@ Result<int> run_localize(LocalizeOptions options) {
   report_set_aside(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
-    if (!smoothed) return tl::unexpected(smoothed.error());
+    if (!smoothed) return fail(smoothed);
     located.front() = std::move(*smoothed);
   }
   const std::string doubt = doubt_of(findings, input->rig);
@@ -491,11 +491,11 @@ Result<int> run_localize(LocalizeOptions options) {
   }
   const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
-    return tl::unexpected(written.error());
+    return fail(written);
   }
   if (!options.pictures.empty()) {
     const auto written = write_pictures(options.pictures, input->rig, fixes);
-    if (!written) return tl::unexpected(written.error());
+    if (!written) return fail(written);
   }
   if (options.json) {
     print_json(located, *input, options, findings);

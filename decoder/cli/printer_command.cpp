@@ -38,22 +38,22 @@ Result<int> write_sheet(const PrinterOptions& options) {
     return fail("--output " + options.output + ": a test sheet is a PDF, expected NAME.pdf");
   }
   const Result<PrintPaper> paper = parse_print_paper(options.paper);
-  if (!paper) return fail(paper.error().message);
+  if (!paper) return fail(paper);
   PrinterProfile profile;
   CommandFiles files;
   if (!options.profile.empty()) {
     const Result<PrinterProfile> read = read_printer_profile(options.profile);
-    if (!read) return fail(read.error().message);
+    if (!read) return fail(read);
     profile = *read;
     files.reads(options.profile, "--profile");
   }
   files.writes(options.output, "--output");
-  if (auto usable = files.check(); !usable) return tl::unexpected(usable.error());
+  if (auto usable = files.check(); !usable) return fail(usable);
   const Result<Sheet> sheet = printer_sheet(*paper, profile);
-  if (!sheet) return fail(sheet.error().message);
+  if (!sheet) return fail(sheet);
   const auto drawn = render_sheets({&*sheet, 1}, options.output);
-  if (!drawn) return fail(drawn.error().message);
-  if (auto written = publish_files(*drawn); !written) return tl::unexpected(written.error());
+  if (!drawn) return fail(drawn);
+  if (auto written = publish_files(*drawn); !written) return fail(written);
   to_stdout("{}\n", options.output);
   return kExitOk;
 }
@@ -105,15 +105,15 @@ Result<int> measure(const PrinterOptions& options) {
   CommandFiles files;
   files.reads(options.scan, "the scan");
   files.writes(options.output, "--output");
-  if (auto usable = files.check(); !usable) return tl::unexpected(usable.error());
+  if (auto usable = files.check(); !usable) return fail(usable);
   const Result<GrayImage> scan = load_gray_image(options.scan);
-  if (!scan) return fail(scan.error().message);
+  if (!scan) return fail(scan);
   Result<PrinterMeasurement> found =
       measure_printer(options.scan, scan->view(), options.dots_per_inch);
-  if (!found) return fail(found.error().message);
+  if (!found) return fail(found);
   found->profile.name = profile_name(output.stem().string());
   const std::vector<SheetFile> profile{{output, printer_profile_text(found->profile)}};
-  if (auto written = publish_files(profile); !written) return tl::unexpected(written.error());
+  if (auto written = publish_files(profile); !written) return fail(written);
   report(*found, options);
   return kExitOk;
 }

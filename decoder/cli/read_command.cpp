@@ -90,7 +90,7 @@ std::vector<fs::path> explanation_paths(const fs::path& folder,
 Result<void> write_explanation(const GrayView& image, const ReadResult& result,
                                const fs::path& path) {
   const Result<std::string> png = draw_explanation(image, explain(result));
-  if (!png) return fail(png.error().message);
+  if (!png) return fail(png);
   return write_file(path, *png);
 }
 
@@ -99,7 +99,7 @@ Result<ImageReadings> read_image(const fs::path& path, const std::string& reader
                                  const ReadOptions& options,
                                  const std::optional<fs::path>& explanation) {
   const Result<DecodedImage> loaded = load_image(path);
-  if (!loaded) return fail(loaded.error().message);
+  if (!loaded) return fail(loaded);
   const GrayImage& image = loaded->image;
   const auto start = std::chrono::steady_clock::now();
   ReadResult result =
@@ -208,14 +208,14 @@ Result<void> check_files(const std::vector<Survey>& surveys, const std::vector<f
 Result<int> run(const ReadCommandOptions& options) {
   const Result<std::vector<Survey>> surveys =
       load_surveys({options.surveys.begin(), options.surveys.end()});
-  if (!surveys) return tl::unexpected(surveys.error());
+  if (!surveys) return fail(surveys);
   const Result<ReadOptions> read = read_options(options, *surveys);
-  if (!read) return tl::unexpected(read.error());
+  if (!read) return fail(read);
   const Result<FileList> list = list_files(options.images, image_extensions(), std::cin);
-  if (!list) return tl::unexpected(list.error());
+  if (!list) return fail(list);
   const std::vector<fs::path> explanations = explanation_paths(options.explain, list->files);
   if (auto usable = check_files(*surveys, list->files, explanations); !usable) {
-    return tl::unexpected(usable.error());
+    return fail(usable);
   }
   const Tally tally = read_all(options, list->files, explanations, *surveys, *read);
   if (!list->skipped.empty()) {

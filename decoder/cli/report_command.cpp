@@ -67,7 +67,7 @@ Result<void> read_all(const ReportOptions& options, const std::function<void(Ver
   std::size_t read = 0;
   for (const std::string& file : options.files) {
     const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
-    if (!counts) return fail(counts.error().message);
+    if (!counts) return fail(counts);
     // A job that was killed leaves one broken line; a file with more is some other file.
     if (counts->files == 0 && counts->broken > 1) {
       return fail(
@@ -87,7 +87,7 @@ Result<bool> any_shows_hanging(const ReportOptions& options) {
     shows = shows || std::ranges::any_of(
                          line.tags, [](const VerifiedTag& tag) { return tag.hung.has_value(); });
   });
-  if (!read) return fail(read.error().message);
+  if (!read) return fail(read);
   return shows;
 }
 
@@ -119,7 +119,7 @@ Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey
   const Result<void> looked = read_all(options, [&](const VerifiedFile& line) {
     if (line.revision == revision) current.insert(content_of(line));
   });
-  if (!looked) return fail(looked.error().message);
+  if (!looked) return fail(looked);
   VerifyMerge merged;
   const auto add = [&](VerifiedFile line) {
     if (line.revision != revision) {
@@ -130,7 +130,7 @@ Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey
     merge(revision, std::move(line), merged);
   };
   const Result<void> read = read_all(options, add, true);
-  if (!read) return fail(read.error().message);
+  if (!read) return fail(read);
   if (merged.other_revisions > 0) {
     to_stderr("{} verified against another state of the survey: verify again\n",
               merged.other_revisions == 1 ? "1 file was"
@@ -148,26 +148,26 @@ Result<int> run(const ReportOptions& options) {
   }
   if (options.files.empty()) return fail("FILE.jsonl is required, or --ledger");
   const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
+  if (!survey) return fail(survey);
   CommandFiles files;
   Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
-  if (!hanging) return fail(hanging.error().message);
+  if (!hanging) return fail(hanging);
   files.reads(*survey);
   for (const std::string& file : options.files) files.reads(file, "the lines");
   add_report_files(options.report, files);
-  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  if (const auto usable = files.check(); !usable) return fail(usable);
   if (!*hanging) {
     const Result<bool> shown = any_shows_hanging(options);
-    if (!shown) return fail(shown.error().message);
+    if (!shown) return fail(shown);
     if (!*shown) *hanging = hanging_without_rig(options.hanging);
   }
   const Result<std::optional<HungTags>> hung = check_hanging(
       "report", *survey, *hanging, [&](const auto& take) { return read_all(options, take); });
-  if (!hung) return fail(hung.error().message);
+  if (!hung) return fail(hung);
   const Result<VerifyMerge> merged = merge_all(options, *survey, *hanging, *hung, files);
-  if (!merged) return fail(merged.error().message);
+  if (!merged) return fail(merged);
   if (const auto written = write_report(options.report, *survey, *merged, files); !written) {
-    return fail(written.error().message);
+    return fail(written);
   }
   const Completeness covered = completeness_of(*survey, *merged);
   if (options.json) {

@@ -467,7 +467,7 @@ Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<s
   const bool is_in_photo = fault.corners || (fault.shows_whole && !fault.sha256.empty());
   if (!is_in_photo) return fail("no crop of it was saved when it was verified");
   if (last.file != fault.file) last = {fault.file, load_photo(fault, lines, files)};
-  if (!last.image) return fail(last.image.error().message);
+  if (!last.image) return fail(last.image);
   if (fault.shows_whole) {
     return report_picture(small_picture(last.image->view(), fault.orientation).view());
   }
@@ -512,9 +512,9 @@ Result<void> write_report(const ReportFiles& report, const Survey& survey,
   if (!report.html.empty()) written.push_back({report.html, report_page(survey, merged)});
   if (!report.pdf.empty()) {
     const Result<std::vector<Sheet>> sheets = draw_report(survey, merged);
-    if (!sheets) return fail(sheets.error().message);
+    if (!sheets) return fail(sheets);
     Result<std::string> pdf = render_pdf(*sheets);
-    if (!pdf) return fail(pdf.error().message);
+    if (!pdf) return fail(pdf);
     written.push_back({report.pdf, std::move(*pdf)});
   }
   return publish_files(written);

@@ -403,13 +403,13 @@ Day last_possible_day() {
 
 Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
   Result<LedgerWriter> ledger = LedgerWriter::open(options.ledger, survey.name);
-  if (!ledger) return tl::unexpected(ledger.error());
+  if (!ledger) return fail(ledger);
   for (const std::string& lines : options.lines) {
     Result<void> entered;
     const auto counts = read_verify_lines(lines, [&](const VerifiedFile& file) {
       if (entered) entered = ledger->add(file);
     });
-    if (!counts) return tl::unexpected(counts.error());
+    if (!counts) return fail(counts);
     if (!entered) return entered;
     if (counts->files == 0 && counts->broken > 1) {
       return fail(
@@ -439,7 +439,7 @@ Result<LedgerWriter> LedgerWriter::open(const std::string& path, const std::stri
   writer.survey_ = survey;
   if (path.empty()) return writer;
   Result<Ledger> ledger = Ledger::open_to_write(path);
-  if (!ledger) return tl::unexpected(ledger.error());
+  if (!ledger) return fail(ledger);
   writer.ledger_ = std::move(*ledger);
   return writer;
 }
@@ -460,7 +460,7 @@ Result<void> LedgerWriter::flush() {
   flushed_ = std::chrono::steady_clock::now();
   if (!entered) {
     ledger_.reset();
-    return tl::unexpected(entered.error());
+    return fail(entered);
   }
   tally_.added += entered->added;
   tally_.replaced += entered->replaced;
@@ -481,25 +481,25 @@ void LedgerWriter::print_tally() const {
 
 Result<int> report_ledger(const LedgerOptions& options) {
   const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return tl::unexpected(survey.error());
+  if (!survey) return fail(survey);
   CommandFiles files;
   files.reads(*survey);
   for (const std::string& lines : options.lines) files.reads(lines, "the lines");
   add_ledger_files(options.ledger, files);
   files.writes(options.html, "--html");
-  if (const auto usable = files.check(); !usable) return tl::unexpected(usable.error());
+  if (const auto usable = files.check(); !usable) return fail(usable);
   if (!options.lines.empty()) {
     if (auto entered = enter_lines(options, *survey); !entered) {
-      return tl::unexpected(entered.error());
+      return fail(entered);
     }
   }
   const Result<Ledger> ledger = Ledger::open_to_read(options.ledger);
-  if (!ledger) return tl::unexpected(ledger.error());
+  if (!ledger) return fail(ledger);
   const Result<LedgerReport> report = make_ledger_report(*survey, *ledger, last_possible_day());
-  if (!report) return tl::unexpected(report.error());
+  if (!report) return fail(report);
   if (!options.html.empty()) {
     const auto written = publish_files({{options.html, ledger_page(*survey, *report)}});
-    if (!written) return tl::unexpected(written.error());
+    if (!written) return fail(written);
   }
   if (options.json) {
     to_stdout("{}\n", report_line(*survey, *report));

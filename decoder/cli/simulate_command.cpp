@@ -163,7 +163,7 @@ Result<std::vector<Station>> stations_of(const SurveyedRun& input, std::uint64_t
   for (const Measurement& measurement : input.run.measurements) {
     const auto row = static_cast<std::uint64_t>(measurement.line);
     auto station = station_of(input, measurement, random_bits(seed, row));
-    if (!station) return fail(station.error().message);
+    if (!station) return fail(station);
     stations.push_back(std::move(*station));
   }
   return stations;
@@ -332,7 +332,7 @@ Result<std::string> encoded(const SimulateOptions& options, const std::string& f
   }
   if (options.format == "jpg") return encode_gray_image(file, image.view(), chain->jpeg_quality);
   const Result<GrayImage> stored = compressed(image.view(), chain->jpeg_quality);
-  if (!stored) return tl::unexpected(stored.error());
+  if (!stored) return fail(stored);
   return encode_gray_image(file, stored->view());
 }
 
@@ -361,8 +361,7 @@ Result<Json> render_shots(const SimulateOptions& options, const SurveyedRun& inp
         render_survey_view(input.survey, *shot.camera, shot.station->world_from_vehicle,
                            view_options(options, i), options.seed);
     auto bytes = encoded(options, shot.file, seen.view.image);
-    const Result<void> written =
-        bytes ? files.add(shot.file, *bytes) : Result<void>(tl::unexpected(bytes.error()));
+    const Result<void> written = bytes ? files.add(shot.file, *bytes) : Result<void>(fail(bytes));
     return [&, written, truth = shot_json(input.survey, shot, seen)] {
       if (!written && !failure) failure = written.error();
       truths.push_back(truth);
@@ -400,37 +399,37 @@ Result<void> check_chain(const SimulateOptions& options) {
 }
 
 Result<Json> simulate(const SimulateOptions& options, const SurveyedRun& input) {
-  if (const auto chain = check_chain(options); !chain) return tl::unexpected(chain.error());
-  if (const auto sizes = check_image_sizes(input.rig); !sizes) return tl::unexpected(sizes.error());
+  if (const auto chain = check_chain(options); !chain) return fail(chain);
+  if (const auto sizes = check_image_sizes(input.rig); !sizes) return fail(sizes);
   const auto names = check_file_names(input, options.format);
-  if (!names) return tl::unexpected(names.error());
+  if (!names) return fail(names);
   const auto stations = stations_of(input, options.seed);
-  if (!stations) return tl::unexpected(stations.error());
+  if (!stations) return fail(stations);
   const auto folder = check_folder(options);
-  if (!folder) return tl::unexpected(folder.error());
+  if (!folder) return fail(folder);
   const std::vector<Shot> shots = shots_of(input, *stations, options.format);
   if (const auto usable = check_files(options, input, shots); !usable) {
-    return tl::unexpected(usable.error());
+    return fail(usable);
   }
   auto files = StagedFiles::begin(options.folder);
-  if (!files) return tl::unexpected(files.error());
+  if (!files) return fail(files);
   auto truths = render_shots(options, input, shots, *files);
   if (!truths) return truths;
   for (const auto& [name, text] : {std::pair{kTruth, truth_text(input.survey, *truths)},
                                    std::pair{kRun, run_text(input, *stations, options.format)}}) {
-    if (const auto added = files->add(name, text); !added) return tl::unexpected(added.error());
+    if (const auto added = files->add(name, text); !added) return fail(added);
   }
   if (const auto published = files->publish(); !published) {
-    return tl::unexpected(published.error());
+    return fail(published);
   }
   return truths;
 }
 
 Result<int> run_simulate(const SimulateOptions& options) {
   const Result<SurveyedRun> input = load_surveyed_run(options.survey, options.rig, options.run);
-  if (!input) return tl::unexpected(input.error());
+  if (!input) return fail(input);
   const Result<Json> truths = simulate(options, *input);
-  if (!truths) return tl::unexpected(truths.error());
+  if (!truths) return fail(truths);
   if (options.json) {
     print_json(*truths, options.folder);
   } else {

@@ -114,7 +114,7 @@ Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& fol
   }
   const Result<AnnotatedPicture> copy =
       annotate_picture(file.path.string(), file.bytes, marks, caption);
-  if (!copy) return fail(copy.error().message);
+  if (!copy) return fail(copy);
   return SheetFile{folder / (name_of_copy(file.path) + copy->extension), copy->bytes};
 }
 
@@ -231,7 +231,7 @@ Result<void> save_picture(const VerifyCommandOptions& options, const fs::path& o
   if (options.crops.empty()) return {};
   const fs::path file = fs::path(options.crops) / fmt::format("{}-{}.png", name_of_copy(of), which);
   const Result<std::string> bytes = encode_gray_image(file, image->view());
-  if (!bytes) return fail(bytes.error().message);
+  if (!bytes) return fail(bytes);
   if (auto written = save_late(options, "--crops", file, *bytes); !written) return written;
   picture.file = file.string();
   return {};
@@ -252,7 +252,7 @@ Result<void> save_annotated(const VerifyCommandOptions& options, const InputFile
                             const VerifiedFile& file) {
   if (options.annotate.empty()) return {};
   const Result<std::optional<SheetFile>> copy = annotated_copy(options.annotate, input, file);
-  if (!copy) return fail(copy.error().message);
+  if (!copy) return fail(copy);
   return *copy ? save_late(options, "--annotate", (*copy)->path, (*copy)->bytes) : Result<void>{};
 }
 
@@ -292,7 +292,7 @@ Result<std::optional<std::string>> conditions_before(const VerifyRequest& reques
   VerifyRequest without_rig = request;
   without_rig.rig = nullptr;
   Result<std::string> others = conditions_of(without_rig, file);
-  if (!others) return tl::unexpected(others.error());
+  if (!others) return fail(others);
   return before.contains({sha256, *others}) ? std::optional(std::move(*others)) : std::nullopt;
 }
 
@@ -338,7 +338,7 @@ Result<void> read_resumed(const VerifyCommandOptions& options, const std::string
   const Result<VerifyLineCounts> counts = read_verify_lines(options.resume, [&](VerifiedFile line) {
     if (line.revision == revision) take(std::move(line));
   });
-  if (!counts) return fail(counts.error().message);
+  if (!counts) return fail(counts);
   if (report) report_broken_lines(options.resume, *counts);
   return {};
 }
@@ -360,10 +360,10 @@ Result<void> save_late_pictures(const VerifyCommandOptions& options, VerifiedFil
   const bool late = options.wants_crops() && std::ranges::any_of(file.tags, lacks_crop);
   if (file.sha256.empty() || (!late && options.annotate.empty())) return {};
   const Result<InputFile> input = read_input_file(file.file);
-  if (!input) return fail(input.error().message);
+  if (!input) return fail(input);
   if (late) {
     const Result<GrayImage> image = decode_gray_image(input->path.string(), input->bytes);
-    if (!image) return fail(image.error().message);
+    if (!image) return fail(image);
     crop_faults(image->view(), file.tags, file.orientation.value_or(1));
     if (auto saved = save_pictures(options, file); !saved) return saved;
   }
@@ -401,7 +401,7 @@ Result<void> prepare_to_append(const std::filesystem::path& path) {
                 ": is overwritten by this run's output, expected `>>` instead of `>`");
   }
   const Result<off_t> end = end_of_lines(path);
-  if (!end) return fail(end.error().message);
+  if (!end) return fail(end);
   if (*end != file.st_size && ::ftruncate(STDOUT_FILENO, *end) != 0) {
     return fail(path.string() + ": its last line is cut short and cannot be removed");
   }
@@ -453,7 +453,7 @@ Result<void> judge_waiting(const Job& job, VerifyOutcome& outcome) {
   };
   Result<std::optional<HungTags>> hung =
       check_hanging("verify", job.request.survey, job.hanging, all);
-  if (!hung) return fail(hung.error().message);
+  if (!hung) return fail(hung);
   outcome.hung = std::move(*hung);
   for (VerifiedFile& file : outcome.waiting) {
     if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, file);
@@ -481,14 +481,14 @@ Result<VerifyOutcome> verify_all(const Job& job, const std::vector<fs::path>& fi
     if (!line.sha256.empty()) before.insert(key_of(line));
   };
   if (auto read = read_resumed(options, job.revision, remember, true); !read) {
-    return fail(read.error().message);
+    return fail(read);
   }
   run_below_bar(
       "files", files.size(), options.jobs,
       [&](std::size_t i) { return verify_one(options, job.request, before, files[i]); },
       [&](std::size_t, VerifiedOne& one) { deliver(job, one, outcome); });
   for (const auto& step : {judge_waiting, add_skipped}) {
-    if (auto done = step(job, outcome); !done) return fail(done.error().message);
+    if (auto done = step(job, outcome); !done) return fail(done);
   }
   note_failure(job.ledger.flush(), outcome);
   job.ledger.print_tally();
@@ -541,29 +541,29 @@ Result<int> run(VerifyCommandOptions options) {
     return fail("FILE is required: photos, print files, folders of them");
   }
   const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
+  if (!survey) return fail(survey);
   CommandFiles files;
   Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
-  if (!hanging) return fail(hanging.error().message);
+  if (!hanging) return fail(hanging);
   const bool of_run = options.files.empty() && *hanging;
   const Result<FileList> list =
       list_files(of_run ? (*hanging)->photos : options.files, image_and_pdf_extensions(), std::cin);
-  if (!list) return fail(list.error().message);
+  if (!list) return fail(list);
   const Result<std::vector<Survey>> also = load_surveys({options.also.begin(), options.also.end()});
-  if (!also) return fail(also.error().message);
+  if (!also) return fail(also);
   std::vector<Survey> together{*survey};
   together.insert(together.end(), also->begin(), also->end());
   if (const auto diagnostics = check_together(together); has_errors(diagnostics)) {
     return fail(to_string(diagnostics, true));
   }
   add_files(options, *survey, *also, list->files, files);
-  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  if (const auto usable = files.check(); !usable) return fail(usable);
   options.named = &files;
   if (const auto ready = prepare_to_append(options.resume); !ready) {
-    return fail(ready.error().message);
+    return fail(ready);
   }
   Result<LedgerWriter> ledger = LedgerWriter::open(options.ledger, survey->name);
-  if (!ledger) return fail(ledger.error().message);
+  if (!ledger) return fail(ledger);
   ManifestCache manifests;
   VerifyRequest request{*survey, *also, options.wants_crops()};
   request.manifests = &manifests;
@@ -580,11 +580,11 @@ Result<int> run(VerifyCommandOptions options) {
   options.hangs_late = hanging->has_value();
   const Result<VerifyOutcome> outcome =
       verify_all({options, request, *hanging, *ledger, survey_revision(*survey)}, list->files);
-  if (!outcome) return fail(outcome.error().message);
+  if (!outcome) return fail(outcome);
   const VerifyMerge& merged = outcome->merged;
   print_summary(options, *survey, *outcome, list->skipped);
   if (const auto written = write_report(options.report, *survey, merged, files); !written) {
-    return fail(written.error().message);
+    return fail(written);
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     return fail("standard output cannot be written, is the disk full?");

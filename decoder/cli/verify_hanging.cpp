@@ -84,19 +84,19 @@ Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,
                                                   CommandFiles& files) {
   if (options.rig.empty()) return std::nullopt;
   Result<Rig> rig = load_rig(options.rig);
-  if (!rig) return fail(rig.error().message);
+  if (!rig) return fail(rig);
   LoadedHanging loaded{{std::move(*rig), {}, 1e-3 * options.tolerance_mm}, {}};
   HangingSetup& setup = loaded.setup;
   files.reads(setup.rig);
   if (!options.run.empty()) {
     const Result<Run> run = load_run(options.run, setup.rig);
-    if (!run) return fail(run.error().message);
+    if (!run) return fail(run);
     files.reads(*run);
     setup.cameras = PhotoCameras::by_run(setup.rig, *run);
     for (const auto& photo : photos_of(run->measurements)) loaded.photos.push_back(photo.string());
   } else if (!options.camera.empty()) {
     Result<PhotoCameras> cameras = PhotoCameras::by_camera(setup.rig, options.camera);
-    if (!cameras) return fail(cameras.error().message);
+    if (!cameras) return fail(cameras);
     setup.cameras = std::move(*cameras);
   } else {
     setup.cameras = PhotoCameras::by_names(setup.rig);
@@ -126,7 +126,7 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
   if (!hanging) return std::nullopt;
   if (hanging->setup.by_lenses) {
     Result<HangingSetup> by_lenses = hanging_by_lenses(files, hanging->setup.tolerance);
-    if (!by_lenses) return fail(by_lenses.error().message);
+    if (!by_lenses) return fail(by_lenses);
     if (by_lenses->rig.cameras.empty()) {
       hanging.reset();
       return std::nullopt;
@@ -134,7 +134,7 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
     hanging->setup = std::move(*by_lenses);
   }
   Result<HungTags> hung = check_hanging(survey, hanging->setup, files);
-  if (!hung) return fail(hung.error().message);
+  if (!hung) return fail(hung);
   if (hanging->setup.by_lenses) {
     to_stderr(
         "{}: no rig given: where tags hang was checked by photos that name their lens and show two "

@@ -119,10 +119,10 @@ Result<Primary> primary_of(const Libheif& heif, std::string_view bytes) {
 Result<Decoded> decode(std::string_view bytes, double most_pixels, heif_colorspace colours,
                        heif_chroma chroma) {
   const Result<Libheif>& library = libheif();
-  if (!library) return tl::unexpected(library.error());
+  if (!library) return fail(library);
   const Libheif& heif = *library;
   const Result<Primary> primary = primary_of(heif, bytes);
-  if (!primary) return tl::unexpected(primary.error());
+  if (!primary) return fail(primary);
   heif_image_handle* handle = primary->handle.get();
   if (too_large(heif.handle_width(handle), heif.handle_height(handle), most_pixels)) {
     return fail("it has too many pixels");
@@ -266,7 +266,7 @@ std::string heif_exif(std::string_view bytes) {
 
 Result<GrayImage> decode_heif(std::string_view bytes, double most_pixels) {
   const auto decoded = decode(bytes, most_pixels, heif_colorspace_YCbCr, heif_chroma_420);
-  if (!decoded) return tl::unexpected(decoded.error());
+  if (!decoded) return fail(decoded);
   int stride = 0;
   const std::uint8_t* rows = decoded->rows(heif_channel_Y, stride);
   const int width = decoded->width(heif_channel_Y);
@@ -291,7 +291,7 @@ Result<GrayImage> decode_heif(std::string_view bytes, double most_pixels) {
 
 Result<ColourImage> decode_heif_colour(std::string_view bytes, double most_pixels) {
   const auto decoded = decode(bytes, most_pixels, heif_colorspace_RGB, heif_chroma_interleaved_RGB);
-  if (!decoded) return tl::unexpected(decoded.error());
+  if (!decoded) return fail(decoded);
   int stride = 0;
   const std::uint8_t* rows = decoded->rows(heif_channel_interleaved, stride);
   ColourImage image{

@@ -106,7 +106,7 @@ std::size_t pixels_of(const JpegDecoder& decoder) {
 Result<std::optional<ColourImage>> decode_jpeg_colour(std::string_view bytes, double most_pixels) {
   JpegDecoder decoder;
   const Result<bool> begun = begin(decoder, bytes, most_pixels);
-  if (!begun) return fail(begun.error().message);
+  if (!begun) return fail(begun);
   if (!*begun) return std::nullopt;
   ColourImage image{decoder.width(), decoder.height(), {}};
   image.samples.resize(3 * pixels_of(decoder));
@@ -117,7 +117,7 @@ Result<std::optional<ColourImage>> decode_jpeg_colour(std::string_view bytes, do
 Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels) {
   JpegDecoder decoder;
   const Result<bool> begun = begin(decoder, bytes, most_pixels);
-  if (!begun) return fail(begun.error().message);
+  if (!begun) return fail(begun);
   if (!*begun) return std::nullopt;
   DecodedImage decoded{{decoder.width(), decoder.height(), {}}, ""};
   decoded.image.samples.resize(pixels_of(decoder));

@@ -270,7 +270,7 @@ PlateSighting sighting_of(const Statement& row) {
 }  // namespace
 
 Result<Ledger> Ledger::open(const fs::path& path, int flags) {
-  if (auto checked = check_is_ledger(path); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_is_ledger(path); !checked) return fail(checked);
   sqlite3* opened = nullptr;
   std::error_code failed;
   // By its whole path: SQLite gives some names another meaning, as `:memory:`.
@@ -293,7 +293,7 @@ Result<Ledger> Ledger::open_to_write(const fs::path& path) {
   if (sqlite3_db_readonly(ledger->database_.get(), "main") == 1) {
     return failure(path, ledger->database_.get(), SQLITE_READONLY);
   }
-  if (auto made = ledger->make_tables(); !made) return tl::unexpected(made.error());
+  if (auto made = ledger->make_tables(); !made) return fail(made);
   return ledger;
 }
 
@@ -379,7 +379,7 @@ Result<void> Ledger::write_photo(const std::string& survey, const VerifiedFile& 
 Result<void> Ledger::enter_one(const std::string& survey, const VerifiedFile& file,
                                const std::string& result, LedgerTally& tally) const {
   const Result<std::optional<StoredPhoto>> before = stored_photo(survey, file.sha256);
-  if (!before) return tl::unexpected(before.error());
+  if (!before) return fail(before);
   if (*before && (*before)->stands_for(file, result)) {
     ++tally.known;
     return {};
@@ -396,7 +396,7 @@ Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const Ver
     std::optional<PhotoLine> line = line_of(file);
     if (!line) continue;
     const Result<std::optional<StoredPhoto>> before = stored_photo(survey, file.sha256);
-    if (!before) return tl::unexpected(before.error());
+    if (!before) return fail(before);
     if (*before && (*before)->stands_for(line->file, line->result)) {
       ++tally.known;
     } else {
@@ -410,7 +410,7 @@ Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const Ver
   for (const auto& [file, result] : unknown) {
     // Checked again, because another process may have entered it since.
     const auto entered = enter_one(survey, file, result, tally);
-    if (!entered) return tl::unexpected(entered.error());
+    if (!entered) return fail(entered);
   }
   const int code = transaction.commit();
   if (code != SQLITE_OK) return failure(path_, database, code);

@@ -662,7 +662,7 @@ Result<Histories> read_histories(const Survey& survey, const Ledger& ledger, Day
     }
   };
   if (auto read = ledger.for_each_sighting(survey.name, take); !read) {
-    return tl::unexpected(read.error());
+    return fail(read);
   }
   for (const PlateSighting& seen : unread) {
     if (const PlacedTag* tag = names.by_name(seen)) {
@@ -777,10 +777,10 @@ auto urgency(const PlateState& plate) {
 Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger, Day last) {
   const Result<LedgerCounts> photos =
       ledger.count_photos(survey.name, to_text(last), survey_revision(survey));
-  if (!photos) return tl::unexpected(photos.error());
+  if (!photos) return fail(photos);
   LedgerReport report;
   const Result<Histories> histories = read_histories(survey, ledger, last, report.nameless);
-  if (!histories) return tl::unexpected(histories.error());
+  if (!histories) return fail(histories);
   report.photos = *photos;
   for (const auto& [tag, history] : *histories) {
     if (history.days.empty()) continue;

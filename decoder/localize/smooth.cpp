@@ -281,10 +281,10 @@ Result<void> check_times(const Run& run) {
 Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& run,
                                       const std::vector<Survey>& surveys, const Rig& rig,
                                       const MotionModel& motion) {
-  if (const auto usable = check_times(run); !usable) return tl::unexpected(usable.error());
+  if (const auto usable = check_times(run); !usable) return fail(usable);
   const std::vector<double> times = times_of(run);
   const auto measured = places_of(fixes);
-  if (!measured) return tl::unexpected(measured.error());
+  if (!measured) return fail(measured);
   const Job job{fixes, *measured, times, surveys, rig, motion};
   std::vector<Fix> result = fixes;
   for (Track& track : tracks_of(*measured, times, motion)) {

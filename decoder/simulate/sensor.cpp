@@ -275,7 +275,7 @@ void roll_corners(PlateTruth& truth, int image_height, double rolling_px) {
 
 Result<GrayImage> compressed(const GrayView& image, int jpeg_quality) {
   const Result<std::string> bytes = encode_gray_image("chain.jpg", image, jpeg_quality);
-  if (!bytes) return tl::unexpected(bytes.error());
+  if (!bytes) return fail(bytes);
   return decode_gray_image("chain.jpg", *bytes);
 }
 

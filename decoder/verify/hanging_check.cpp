@@ -315,11 +315,11 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
         for (const SightedTag& tag : sighted) seen.insert(tag.tag);
         if (!note.empty()) unused.add(note);
       });
-  if (!counted) return fail(counted.error().message);
+  if (!counted) return fail(counted);
   pick.choose();
   const auto taken = for_each_sighted(survey, setup, files,
                                       [&](const auto& sighted, auto&) { pick.take(sighted); });
-  if (!taken) return fail(taken.error().message);
+  if (!taken) return fail(taken);
   HungTags hung = check_hung_tags(survey, setup.rig, pick.taken(), setup.tolerance);
   hung.revision = survey_revision(survey);
   add_unchecked(survey, seen, hung.tags);

@@ -57,7 +57,7 @@ Result<HangingSetup> hanging_by_lenses(const EachFile& files, double tolerance) 
     }
     setup.cameras.add(file.file, entry->second);
   });
-  if (!read) return fail(read.error().message);
+  if (!read) return fail(read);
   return setup;
 }
 

@@ -209,7 +209,7 @@ Result<std::optional<PrintManifest>> find_manifest(const fs::path& print_file) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return std::nullopt;
   const Result<std::string> bytes = read_file(path, kMaxManifestBytes);
-  if (!bytes) return fail(bytes.error().message);
+  if (!bytes) return fail(bytes);
   const json root = parse_json(*bytes);
   if (root.is_discarded()) return fail(path.string() + ": is no JSON");
   if (!root.is_object() || !root.contains("survey") || !root.contains("tags")) return std::nullopt;
@@ -238,7 +238,7 @@ Result<std::shared_ptr<const PrintManifest>> ManifestCache::find(const fs::path&
   Result<std::shared_ptr<const PrintManifest>> result = nullptr;
   Result<std::optional<PrintManifest>> parsed = find_manifest(print_file);
   if (!parsed) {
-    result = fail(parsed.error().message);
+    result = fail(parsed);
   } else if (*parsed) {
     result = std::make_shared<const PrintManifest>(std::move(**parsed));
   }

@@ -120,7 +120,7 @@ Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
     if (region.width <= 0 || region.height <= 0) continue;
     const Result<GrayImage> piece =
         rasterize_part(page->file, page->number, dots_per_inch, region, page->scale);
-    if (!piece) return fail(piece.error().message);
+    if (!piece) return fail(piece);
     paste(*piece, image, region.x - p_x + left, region.y - p_y + up);
     ready.p = {left + p.x * per_metre - p_x - 0.5, up + p.y * per_metre - p_y - 0.5};
   }
@@ -220,7 +220,7 @@ Result<TagProof> prove(const Survey& survey, const ProofTag& tag, int dots_per_i
   proof.file = tag.pieces.front().first->file.filename().string();
   proof.dots_per_inch = resolution_for(tag, dots_per_inch);
   const Result<ReadyTag> ready = assemble(tag, proof.dots_per_inch);
-  if (!ready) return fail(ready.error().message);
+  if (!ready) return fail(ready);
   ReadOptions options = read_options_for(std::span(&survey, 1));
   options.code_book.clear();
   const ReadResult read = read_tags(ready->image.view(), options);
@@ -246,7 +246,7 @@ Result<std::vector<TagProof>> prove_pages(const Survey& survey, std::span<const 
   std::vector<TagProof> proofs;
   for (const ProofTag& tag : tags_on(pages)) {
     Result<TagProof> proof = prove(survey, tag, dots_per_inch);
-    if (!proof) return fail(proof.error().message);
+    if (!proof) return fail(proof);
     proofs.push_back(std::move(*proof));
   }
   return proofs;

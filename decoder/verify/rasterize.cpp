@@ -123,7 +123,7 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& argv,
   Pipe err;
   if (!out.ok() || !err.ok()) return fail(argv[0] + ": no pipe for its output");
   const Result<pid_t> pid = spawn(argv, out, err);
-  if (!pid) return fail(pid.error().message);
+  if (!pid) return fail(pid);
   out.close_writer();
   err.close_writer();
   ProcessOutput output;
@@ -234,7 +234,7 @@ Result<PageImage> draw_page(const std::filesystem::path& path, int number, const
   argv.insert(argv.end(), part.begin(), part.end());
   argv.push_back(argument_of(path));
   const Result<ProcessOutput> drawn = run_poppler(path, argv);
-  if (!drawn) return fail(drawn.error().message);
+  if (!drawn) return fail(drawn);
   Result<GrayImage> image = decode_gray_image(path.string(), drawn->out);
   if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
   return PageImage{as_photographed(std::move(*image)), kMetresPerInch / *parse_number(dpi),
@@ -277,7 +277,7 @@ Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
   const std::string last = std::to_string(kMaxPages + 1);
   const Result<ProcessOutput> text =
       run_poppler(path, {"pdfinfo", "-f", "1", "-l", last, argument_of(path)});
-  if (!text) return fail(text.error().message);
+  if (!text) return fail(text);
   // "Page    3 size:  1275.59 x 992.126 pts (A4)", "Page    3 rot:  90"
   static const std::regex kSize(R"(Page +\d+ size: +([\d.]+) x ([\d.]+) .*)");
   static const std::regex kTurned(R"(Page +\d+ rot: +(90|270))");
@@ -323,7 +323,7 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
                 ": is no SVG that can be drawn: " + svg_problem(output->err, argument_of(path)));
   }
   Result<GrayImage> image = decode_gray_image(path.string(), output->out);
-  if (!image) return fail(image.error().message);
+  if (!image) return fail(image);
   return PageImage{as_photographed(std::move(*image)), kMetresPerInch / dots_per_inch, {}};
 }
 
@@ -336,13 +336,13 @@ Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
                   {"-x", std::to_string(region.x), "-y", std::to_string(region.y), "-W",
                    std::to_string(region.width), "-H", std::to_string(region.height)},
                   scale);
-    if (!drawn) return fail(drawn.error().message);
+    if (!drawn) return fail(drawn);
     return std::move(drawn->image);
   }
   Result<GrayImage> whole = GrayImage{};
   if (is_svg(path)) {
     Result<PageImage> drawn = rasterize_svg(path, dots_per_inch);
-    if (!drawn) return fail(drawn.error().message);
+    if (!drawn) return fail(drawn);
     whole = std::move(drawn->image);
   } else {
     whole = load_gray_image(path).map(as_photographed);

@@ -92,7 +92,7 @@ void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verif
 Result<InputFile> read_input_file(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMaxBytes = 512U << 20U;
   Result<std::string> bytes = read_regular_file(path, kMaxBytes);
-  if (!bytes) return fail(bytes.error().message);
+  if (!bytes) return fail(bytes);
   std::string hash = sha256(*bytes);
   return InputFile{path, std::move(*bytes), std::move(hash)};
 }
@@ -140,7 +140,7 @@ Result<PageImage> assemble_tiles(const TilePlan& plan, const std::vector<TilePag
     const auto row = static_cast<int>(i) / plan.columns;
     const Result<GrayImage> tile =
         rasterize_part(pages[i].file, pages[i].number, dpi, window, pages[i].scale);
-    if (!tile) return fail(tile.error().message);
+    if (!tile) return fail(tile);
     paste(*tile, plate, pixels(column * plan.step_right, per_metre),
           pixels(row * plan.step_down, per_metre));
   }
@@ -268,7 +268,7 @@ void find_up(const VerifyRequest& request, PictureEvidence& evidence, VerifiedFi
 Result<VerifiedFile> verify_photo(const Task& task) {
   const VerifyRequest& request = task.request;
   const Result<DecodedImage> loaded = decode_image(task.input.path.string(), task.input.bytes);
-  if (!loaded) return fail(loaded.error().message);
+  if (!loaded) return fail(loaded);
   const std::optional<GrayImage> negative = negative_for(request.survey, loaded->image);
   const GrayView image = negative ? negative->view() : loaded->image.view();
   VerifiedFile file;
@@ -305,14 +305,14 @@ VerifiedFile verify_print_picture(const Task& task, const PageImage& image,
 // A picture of known resolution: a PNG that the manifest names, or a scan.
 Result<VerifiedFile> verify_flat_picture(const Task& task, double dots_per_inch, UpSource up) {
   Result<GrayImage> image = decode_gray_image(task.input.path.string(), task.input.bytes);
-  if (!image) return fail(image.error().message);
+  if (!image) return fail(image);
   return verify_print_picture(task, {std::move(*image), kMetresPerInch / dots_per_inch, {}}, up);
 }
 
 Result<VerifiedFile> verify_pdf(const Task& task) {
   const std::filesystem::path& path = task.input.path;
   const Result<std::vector<PageSize>> pages = pdf_pages(path);
-  if (!pages) return fail(pages.error().message);
+  if (!pages) return fail(pages);
   VerifiedFile file;
   file.up = UpSource::page;
   file.pages = static_cast<int>(pages->size());
@@ -325,7 +325,7 @@ Result<VerifiedFile> verify_pdf(const Task& task) {
     const Result<PageImage> page =
         rasterize_page(path, number, (*pages)[static_cast<std::size_t>(number - 1)],
                        task.manifest ? task.manifest->scale : PrinterScale{});
-    if (!page) return fail(page.error().message);
+    if (!page) return fail(page);
     if (!page->error.empty()) {
       file.notes.push_back(
           fmt::format("page {}: the file is damaged, and others may draw it otherwise: {}", number,
@@ -365,7 +365,7 @@ void find_wrong_pages(const TilePlan& plan, const PrinterScale& reach, std::size
 Result<VerifiedFile> verify_tiled_pdf(const Task& task) {
   const TilePlan& plan = *task.manifest->tiles;
   const Result<std::vector<PageSize>> pages = pdf_pages(task.input.path);
-  if (!pages) return fail(pages.error().message);
+  if (!pages) return fail(pages);
   VerifiedFile file;
   file.up = UpSource::page;
   file.pages = static_cast<int>(pages->size());
@@ -379,7 +379,7 @@ Result<VerifiedFile> verify_tiled_pdf(const Task& task) {
       tiles.push_back({task.input.path, first + tile, task.manifest->scale});
     }
     const Result<PageImage> plate = assemble_tiles(plan, tiles);
-    if (!plate) return fail(plate.error().message);
+    if (!plate) return fail(plate);
     judge_page(task, *plate, first, fmt::format("the plate of page {}: ", first), file);
   }
   return file;
@@ -410,7 +410,7 @@ Result<std::optional<VerifiedFile>> verify_tile_files(const Task& task) {
   const int dpi = is_svg(path) ? 0 : task.dots_per_inch();
   const Result<PageImage> plate =
       dpi > 0 ? assemble_tiles(plan, tiles, dpi) : assemble_tiles(plan, tiles);
-  if (!plate) return fail(plate.error().message);
+  if (!plate) return fail(plate);
   return verify_print_picture(task, *plate);
 }
 
@@ -422,7 +422,7 @@ Result<VerifiedFile> read_and_check(const Task& task) {
   }
   if (is_svg(input.path)) {
     const Result<PageImage> page = rasterize_svg(input.path);
-    if (!page) return fail(page.error().message);
+    if (!page) return fail(page);
     return verify_print_picture(task, *page);
   }
   if (task.dots_per_inch() > 0) {
@@ -441,7 +441,7 @@ Result<std::optional<VerifiedFile>> read_printed(const Task& task, ManifestEntry
   if (is_tiles && !is_pdf(task.input.bytes)) return verify_tile_files(task);
   if (!is_tiles && entry != ManifestEntry::tags) return std::nullopt;
   Result<VerifiedFile> file = is_tiles ? verify_tiled_pdf(task) : read_and_check(task);
-  if (!file) return fail(file.error().message);
+  if (!file) return fail(file);
   return std::optional(std::move(*file));
 }
 
@@ -458,7 +458,7 @@ Result<VerifiedFile> verify_printed(const Task& task, ManifestEntry entry) {
                       !printed_otherwise(*task.manifest, task.request.survey.tag_template).empty();
   Result<std::optional<VerifiedFile>> read = std::nullopt;
   if (!is_old) read = read_printed(task, entry);
-  if (!read) return fail(read.error().message);
+  if (!read) return fail(read);
   VerifiedFile file = *read ? std::move(**read) : VerifiedFile{};
   file.file = task.input.path;
   file.sha256 = task.input.sha256;
@@ -493,7 +493,7 @@ std::string camera_conditions(const VerifyRequest& request, const std::filesyste
 
 Result<std::string> conditions_of(const VerifyRequest& request, const std::filesystem::path& path) {
   const auto manifest = manifest_beside(request, path);
-  if (!manifest) return fail(manifest.error().message);
+  if (!manifest) return fail(manifest);
   std::vector<std::string> conditions;
   if (*manifest) {
     conditions.push_back(
@@ -509,7 +509,7 @@ Result<std::string> conditions_of(const VerifyRequest& request, const std::files
 
 Result<VerifiedFile> verify_file(const VerifyRequest& request, const InputFile& input) {
   const auto manifest = manifest_beside(request, input.path);
-  if (!manifest) return fail(manifest.error().message);
+  if (!manifest) return fail(manifest);
   const std::string name = input.path.filename().string();
   const ManifestEntry entry = *manifest ? entry_of(**manifest, name) : ManifestEntry::unlisted;
   const bool is_printed = entry != ManifestEntry::unlisted;
@@ -531,7 +531,7 @@ Result<VerifiedFile> verify_file(const VerifyRequest& request, const InputFile& 
 
 Result<VerifiedFile> verify_file(const VerifyRequest& request, const std::filesystem::path& path) {
   const Result<InputFile> input = read_input_file(path);
-  if (!input) return fail(input.error().message);
+  if (!input) return fail(input);
   return verify_file(request, *input);
 }
 

@@ -22,4 +22,10 @@ inline tl::unexpected<Error> fail(std::string message) {
   return tl::unexpected<Error>(Error{std::move(message)});
 }
 
+// Hands on the error of a result that has no value.
+template <class T>
+tl::unexpected<Error> fail(const Result<T>& failed) {
+  return tl::unexpected<Error>(failed.error());
+}
+
 }  // namespace tagsmith::detail

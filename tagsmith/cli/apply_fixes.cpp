@@ -57,12 +57,12 @@ FixedText apply_fixes(const std::string& text, std::vector<Diagnostic> diagnosti
 Result<std::vector<FixedLine>> fix_file(const std::string& path,
                                         const std::vector<Diagnostic>& diagnostics) {
   const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
+  if (!text) return fail(text);
   FixedText fixed = apply_fixes(*text, diagnostics);
   if (fixed.lines.empty()) return std::vector<FixedLine>{};
   if (is_write_protected(path)) return fail(path + ": is write-protected, and has not been mended");
   if (Result<void> written = write_file(path, fixed.text); !written) {
-    return tl::unexpected(written.error());
+    return fail(written);
   }
   return std::move(fixed.lines);
 }

@@ -93,7 +93,7 @@ Result<std::string> render(const Page& page, const BoardOptions& options) {
     return render_png(sheet, options.dots_per_inch, PngColours::grey);
   }
   Result<std::vector<SheetFile>> files = render_sheets(std::span(&sheet, 1), options.output);
-  if (!files) return fail(files.error().message);
+  if (!files) return fail(files);
   return std::move(files->front().bytes);
 }
 
@@ -154,18 +154,18 @@ Result<int> make(const BoardOptions& options) {
   }
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   const Result<PrintPaper> sheet = sheet_of(options);
-  if (!sheet) return fail(sheet.error().message);
+  if (!sheet) return fail(sheet);
   const Result<Board> board = board_of(options, *sheet);
-  if (!board) return fail(board.error().message);
-  if (auto usable = check_files(options); !usable) return tl::unexpected(usable.error());
+  if (!board) return fail(board);
+  if (auto usable = check_files(options); !usable) return fail(usable);
   const std::string text = board_file_text(*board);
   const Result<bool> needs_file = needs_board_file(board_file_of(options), text);
-  if (!needs_file) return fail(needs_file.error().message);
+  if (!needs_file) return fail(needs_file);
   Result<std::string> bytes = render(lay_out_board(*board, notes_of(options, *sheet)), options);
-  if (!bytes) return fail(bytes.error().message);
+  if (!bytes) return fail(bytes);
   std::vector<SheetFile> files{{options.output, std::move(*bytes)}};
   if (*needs_file) files.push_back({board_file_of(options), text});
-  if (auto written = publish_files(files); !written) return tl::unexpected(written.error());
+  if (auto written = publish_files(files); !written) return fail(written);
   report(*board, options);
   return kExitOk;
 }

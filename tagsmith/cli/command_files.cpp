@@ -129,7 +129,7 @@ Result<void> publish_files(const std::vector<SheetFile>& files) {
     const fs::path folder = folder_of(target);
     if (!folders.contains(folder)) {
       Result<StagedFiles> staged = StagedFiles::begin(folder);
-      if (!staged) return fail(staged.error().message);
+      if (!staged) return fail(staged);
       folders.emplace(folder, std::move(*staged));
     }
     if (auto added = folders.at(folder).add(target.filename(), file.bytes); !added) return added;

@@ -85,9 +85,9 @@ void warn_of_misread_plates(const std::vector<ReadElsewhere>& plates) {
 
 Result<int> diff(const DiffOptions& options) {
   const Result<Survey> before = load_survey(options.before);
-  if (!before) return tl::unexpected(before.error());
+  if (!before) return fail(before);
   const Result<Survey> after = load_survey(options.after);
-  if (!after) return tl::unexpected(after.error());
+  if (!after) return fail(after);
   const std::vector<TagDifference> differences = compare_surveys(*before, *after);
   const bool same = survey_revision(*before) == survey_revision(*after);
   if (differences.empty() && !same) {

@@ -63,20 +63,19 @@ Result<int> draw(const DrawOptions& options) {
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   const Result<std::vector<Survey>> surveys =
       load_surveys({options.surveys.begin(), options.surveys.end()});
-  if (!surveys) return fail(surveys.error().message);
+  if (!surveys) return fail(surveys);
   std::optional<Rig> rig;
   if (!options.rig.empty()) {
     Result<Rig> loaded = load_rig(options.rig);
-    if (!loaded) return fail(loaded.error().message);
+    if (!loaded) return fail(loaded);
     rig = std::move(*loaded);
   }
   const auto sheets = all_sheets(*surveys, rig, paper_of(options.paper));
-  if (!sheets) return fail(sheets.error().message);
+  if (!sheets) return fail(sheets);
   const auto files = render_sheets(*sheets, options.output);
-  if (!files) return fail(files.error().message);
-  if (auto usable = check_files(*surveys, rig, *files); !usable)
-    return tl::unexpected(usable.error());
-  if (auto written = publish_files(*files); !written) return tl::unexpected(written.error());
+  if (!files) return fail(files);
+  if (auto usable = check_files(*surveys, rig, *files); !usable) return fail(usable);
+  if (auto written = publish_files(*files); !written) return fail(written);
   for (const SheetFile& file : *files) to_stdout("{}\n", file.path.string());
   for (const Survey& survey : *surveys) {
     if (survey.tags.size() <= kMostListedTags) continue;

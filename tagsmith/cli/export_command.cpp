@@ -53,11 +53,11 @@ Result<std::string> render(const Survey& survey, const std::string& format) {
 
 Result<int> run_export(const ExportOptions& options) {
   const Result<std::string> format = format_of(options);
-  if (!format) return fail(format.error().message);
+  if (!format) return fail(format);
   const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
+  if (!survey) return fail(survey);
   const Result<std::string> bytes = render(*survey, *format);
-  if (!bytes) return fail(bytes.error().message);
+  if (!bytes) return fail(bytes);
   if (options.output == "-") {
     bytes_to_stdout(*bytes);
     return kExitOk;
@@ -65,9 +65,9 @@ Result<int> run_export(const ExportOptions& options) {
   CommandFiles files;
   files.reads(*survey);
   files.writes(options.output, "--output");
-  if (auto usable = files.check(); !usable) return tl::unexpected(usable.error());
+  if (auto usable = files.check(); !usable) return fail(usable);
   if (auto written = publish_files({{options.output, *bytes}}); !written) {
-    return tl::unexpected(written.error());
+    return fail(written);
   }
   to_stderr("{} tags in {}\n", survey->tags.size(), options.output);
   if (*format == "geojson" && survey->grid.epsg == 0) {

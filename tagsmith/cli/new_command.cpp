@@ -101,7 +101,7 @@ Result<void> write_files(const NewOptions& options, const std::vector<NamedText>
     if (fs::exists(path, ignored)) return fail(path.string() + ": is there already");
   }
   Result<StagedFiles> files = StagedFiles::begin(options.name);
-  if (!files) return fail(files.error().message);
+  if (!files) return fail(files);
   for (const NamedText& file : texts) {
     if (auto added = files->add(file.name, file.text); !added) return added;
   }
@@ -219,7 +219,7 @@ Result<void> check_options(const NewOptions& options, const PointList& list) {
 // Faults of single points are reported before a fit that they would only disturb.
 Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>& warnings) {
   Result<Diagnosed<PointList>> reading = read_point_list(options.points, options.list);
-  if (!reading) return tl::unexpected(reading.error());
+  if (!reading) return fail(reading);
   if (!reading->value) return fail(to_string(reading->diagnostics, true));
   warnings = reading->diagnostics;
   PointList& list = *reading->value;
@@ -233,7 +233,7 @@ Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>
   }
   check_exchanged(list.points, log);
   if (log.has_errors()) return fail(to_string(log.sorted(), true));
-  if (auto layout = check_layout(options, list); !layout) return fail(layout.error().message);
+  if (auto layout = check_layout(options, list); !layout) return fail(layout);
   if (auto said = check_options(options, list); !said) {
     return fail(options.points + ": " + said.error().message);
   }
@@ -261,7 +261,7 @@ Result<void> complete_tags(const NewOptions& options, const std::optional<Listed
     Result<TagSeries> series =
         propose_series(draft.fit.tunnel, draft.tag,
                        {*options.height, *options.spacing, options.first, options.to});
-    if (!series) return fail(series.error().message);
+    if (!series) return fail(series);
     draft.series = *series;
   }
   number_tags(draft.points, draft.fit);
@@ -272,7 +272,7 @@ Result<void> complete_tags(const NewOptions& options, const std::optional<Listed
   if (options.split) return {};
   Result<PositionCode> code =
       listed ? listed->code : code_for(tag_positions(draft), draft.code.check);
-  if (!code) return fail(code.error().message);
+  if (!code) return fail(code);
   draft.code = *code;
   return {};
 }
@@ -303,7 +303,7 @@ void hold_width(Tunnel& tunnel, double width) {
 Result<Drafted> make_draft(const NewOptions& options) {
   Drafted drafted;
   Result<PointList> list = read_points(options, drafted.warnings);
-  if (!list) return tl::unexpected(list.error());
+  if (!list) return fail(list);
   SurveyDraft& draft = drafted.whole;
   draft.name = survey_name(options);
   draft.source = fs::path(options.points).filename().string();
@@ -317,7 +317,7 @@ Result<Drafted> make_draft(const NewOptions& options) {
     if (!added) return fail(options.points + ": " + added.error().message);
   }
   const auto tag = named_template(draft.template_name, options.name);
-  if (!tag) return tl::unexpected(tag.error());
+  if (!tag) return fail(tag);
   if (auto same = check_template(*list, *tag); !same) {
     return fail(options.points + ": " + same.error().message);
   }
@@ -466,7 +466,7 @@ Result<int> report_draft(const NewOptions& options, const std::string& name,
                          FindingPrinter& printer) {
   const std::string file = (fs::path(options.name) / name).string();
   const Result<Diagnosed<Survey>> reading = read_survey(file);
-  if (!reading) return tl::unexpected(reading.error());
+  if (!reading) return fail(reading);
   for (const Diagnostic& finding : reading->diagnostics) {
     to_stderr("{}", Lines{printer.text_of(finding)});
   }
@@ -494,15 +494,15 @@ Result<void> check_proposal(const NewOptions& options, const std::string& text) 
 
 Result<int> write_draft(const NewOptions& options) {
   const Result<Drafted> drafted = make_draft(options);
-  if (!drafted) return fail(drafted.error().message);
+  if (!drafted) return fail(drafted);
   std::vector<NamedText> files;
   for (std::size_t i = 0; i < drafted->parts.size(); ++i) {
     files.push_back({file_name(*drafted, i), draft_survey(drafted->parts[i].draft)});
     if (auto fits = check_proposal(options, files.back().text); options.height && !fits) {
-      return fail(fits.error().message);
+      return fail(fits);
     }
   }
-  if (auto written = write_files(options, files); !written) return fail(written.error().message);
+  if (auto written = write_files(options, files); !written) return fail(written);
   FindingPrinter printer;
   for (const Diagnostic& warning : drafted->warnings) {
     to_stderr("{}", Lines{printer.text_of(warning)});
@@ -514,16 +514,16 @@ Result<int> write_draft(const NewOptions& options) {
   int worst = kExitOk;
   for (const NamedText& file : files) {
     const Result<int> code = report_draft(options, file.name, printer);
-    if (!code) return fail(code.error().message);
+    if (!code) return fail(code);
     worst = std::max(worst, *code);
   }
   return worst;
 }
 
 Result<int> run_new(const NewOptions& options) {
-  if (auto usable = check_name(options); !usable) return fail(usable.error().message);
+  if (auto usable = check_name(options); !usable) return fail(usable);
   if (options.points.empty()) {
-    if (auto written = write_to_edit(options); !written) return fail(written.error().message);
+    if (auto written = write_to_edit(options); !written) return fail(written);
     return kExitOk;
   }
   return write_draft(options);

@@ -141,7 +141,7 @@ std::vector<YamlEdit> rig_edits(const Rig& rig, double alpha) {
 
 Result<std::string> edited_file(const fs::path& file, const std::vector<YamlEdit>& edits) {
   const Result<std::string> text = read_file(file);
-  if (!text) return fail(text.error().message);
+  if (!text) return fail(text);
   auto edited = edit_yaml(*text, edits);
   if (!edited) return fail(file.string() + ": " + edited.error().message);
   return std::move(*edited);
@@ -159,12 +159,12 @@ Result<void> write_survey(const Survey& survey, const Layout& layout, const Temp
     std::error_code error;
     if (!fs::equivalent(used->first.parent_path(), data_directory() / "templates", error)) {
       const Result<std::string> bytes = read_file(used->first);
-      if (!bytes) return fail(bytes.error().message);
+      if (!bytes) return fail(bytes);
       drive.files.push_back({used->first.filename().string(), *bytes});
     }
   }
   auto text = edited_file(survey.file, survey_edits(survey, layout, template_name));
-  if (!text) return fail(text.error().message);
+  if (!text) return fail(text);
   Diagnosed<Survey> reading = read_survey_text(survey.file, *text);
   if (!reading.value) {
     return fail("the chosen layout makes no valid survey:\n" +
@@ -179,7 +179,7 @@ Result<void> write_rig(const Rig& rig, const Layout& layout, OptimisedDrive& dri
   drive.rig = rig;
   if (!layout.alpha) return {};
   auto text = edited_file(rig.file, rig_edits(rig, *layout.alpha));
-  if (!text) return fail(text.error().message);
+  if (!text) return fail(text);
   Diagnosed<Rig> reading = read_rig_text(rig.file, *text);
   if (!reading.value) {
     return fail("the chosen alpha makes no valid rig:\n" + to_string(reading.diagnostics, true));
@@ -261,14 +261,14 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
   auto found =
       optimise(survey, rig, plates, options.requirement, options.order, freedom, plan, show);
   bar.reset();
-  if (!found) return fail(found.error().message);
+  if (!found) return fail(found);
   OptimisedDrive drive;
   drive.optimisation = std::move(*found);
   const Layout& layout = drive.optimisation.chosen.layout;
   if (auto written = write_survey(survey, layout, templates, drive); !written) {
-    return fail(written.error().message);
+    return fail(written);
   }
-  if (auto written = write_rig(rig, layout, drive); !written) return fail(written.error().message);
+  if (auto written = write_rig(rig, layout, drive); !written) return fail(written);
   return drive;
 }
 
@@ -357,15 +357,15 @@ CommandFiles files_of(const PlanCommandOptions& options, const Survey& survey, c
 
 Result<Subject> load(const PlanCommandOptions& options) {
   Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
+  if (!survey) return fail(survey);
   Result<Rig> rig = load_rig(options.rig);
-  if (!rig) return fail(rig.error().message);
+  if (!rig) return fail(rig);
   const auto usable = files_of(options, *survey, *rig).check();
-  if (!usable) return fail(usable.error().message);
+  if (!usable) return fail(usable);
   Subject subject{std::move(*survey), std::move(*rig), std::nullopt};
   if (!options.optimise) return subject;
   auto better = optimise_drive(subject.survey, subject.rig, options.optimisation, options.plan);
-  if (!better) return fail(better.error().message);
+  if (!better) return fail(better);
   subject.survey = better->survey;
   subject.rig = better->rig;
   subject.better = std::move(*better);
@@ -412,10 +412,10 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
     }
   }
   const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan, paper_of(options.paper));
-  if (!sheets) return fail(sheets.error().message);
+  if (!sheets) return fail(sheets);
   for (const char* name : {"plan.pdf", "plan.svg"}) {
     const auto rendered = render_sheets(*sheets, folder / name);
-    if (!rendered) return fail(rendered.error().message);
+    if (!rendered) return fail(rendered);
     files.insert(files.end(), rendered->begin(), rendered->end());
   }
   CommandFiles named;
@@ -441,22 +441,22 @@ void warn_of_outside(const PlannedDrive& drive) {
 
 Result<int> plan(const PlanCommandOptions& options) {
   const Result<Subject> subject = load(options);
-  if (!subject) return fail(subject.error().message);
+  if (!subject) return fail(subject);
   PlanOptions with_paper = options.plan;
   with_paper.paper = [&](const auto& pose, const auto& sights, const auto& accuracy) {
     return expect_by_paper(subject->survey, subject->rig, pose, sights, accuracy);
   };
   const Result<DrivePlan> drive_plan = plan_drive(subject->survey, subject->rig, with_paper);
-  if (!drive_plan) return fail(drive_plan.error().message);
+  if (!drive_plan) return fail(drive_plan);
   if (auto kept = check_claim(*drive_plan, *subject, options); !kept) {
-    return fail(kept.error().message);
+    return fail(kept);
   }
   const PlanSummary summary = summarize(*drive_plan);
   const PlannedDrive drive{subject->survey, subject->rig, *drive_plan, summary};
   print_assumptions(kName, plan_assumptions(drive));
   warn_of_outside(drive);
   if (auto written = write_files(drive, *subject, options); !written) {
-    return fail(written.error().message);
+    return fail(written);
   }
   to_stdout("{}",
             Lines{options.json ? as_json(drive, *subject) : as_text(drive, *subject, options)});

@@ -63,7 +63,7 @@ Result<TagsToPrint> wanted_tags(const Survey& survey, const PrintOptions& option
   const bool listed = !options.only.empty();
   Result<TagsToPrint> list =
       listed ? read_tags_to_print(options.only, std::cin) : TagsToPrint{options.tags};
-  if (!list) return fail(list.error().message);
+  if (!list) return fail(list);
   if (const std::string revision = survey_revision(survey);
       !list->revision.empty() && list->revision != revision) {
     return fail(fmt::format(
@@ -123,18 +123,18 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   }
   if (!options.profile.empty()) {
     Result<PrinterProfile> profile = read_printer_profile(options.profile);
-    if (!profile) return fail(profile.error().message);
+    if (!profile) return fail(profile);
     style.bar_adjustment = bar_adjustment_for(*profile, survey.tag_template.white_on_black);
     style.printer = std::move(*profile);
   }
   if (!options.press.empty()) {
     Result<OutputIntent> intent = load_output_intent(options.press);
-    if (!intent) return fail(intent.error().message);
+    if (!intent) return fail(intent);
     style.intent = std::move(*intent);
   }
   if (options.paper.empty()) return style;
   const Result<PrintPaper> paper = parse_print_paper(options.paper);
-  if (!paper) return fail(paper.error().message);
+  if (!paper) return fail(paper);
   style.paper = *paper;
   return style;
 }
@@ -285,11 +285,11 @@ void report_roll(const PrintJob& job) {
 Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
+  if (!survey) return fail(survey);
   Result<PrintStyle> style = style_of(options, *survey, prove);
-  if (!style) return fail(style.error().message);
+  if (!style) return fail(style);
   const Result<TagsToPrint> list = wanted_tags(*survey, options);
-  if (!list) return fail(list.error().message);
+  if (!list) return fail(list);
   const std::vector<const PlacedTag*> tags = chosen_tags(*survey, options, *list);
   style->moved = {list->moved.begin(), list->moved.end()};
   if (tags.empty() && !options.only.empty()) {
@@ -301,14 +301,14 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
     style->prove = {};
   }
   const Result<PrintJob> job = plan_print(*survey, tags, *style);
-  if (!job) return fail(job.error().message);
+  if (!job) return fail(job);
   CommandFiles files;
   files.reads(*survey);
   files.reads(options.only == "-" ? "/dev/stdin" : options.only, "the list --only");
   if (!options.profile.empty()) files.reads(options.profile, "--profile");
   if (!options.press.empty()) files.reads(options.press, "--pdf-x");
   const Result<PrintRecord> record = run_print(*job, options.folder, std::move(files));
-  if (!record) return fail(record.error().message);
+  if (!record) return fail(record);
   warn(*job);
   if (has_problems(*record)) {
     report_problems(*record);

@@ -81,7 +81,7 @@ Result<void> plan_plate_parts(PrintJob& job, const std::vector<const PlacedTag*>
   if (drawing.logo) {
     const LogoStyle& style = job.printed.logo;
     Result<LogoDrawing> logo = load_logo(style.file, style.width, style.height);
-    if (!logo) return tl::unexpected(logo.error());
+    if (!logo) return fail(logo);
     job.logo = std::move(*logo);
   }
   if (!drawing.qr) return {};
@@ -101,7 +101,7 @@ Result<void> plan_pages(PrintJob& job, std::size_t tags) {
   if (style.tiled) {
     const Result<TilePlan> tiles =
         plan_tiles(plate, *style.paper, style.overlap, job.png_dots_per_inch());
-    if (!tiles) return fail(tiles.error().message);
+    if (!tiles) return fail(tiles);
     job.tiles = *tiles;
     return {};
   }
@@ -195,7 +195,7 @@ Result<void> write_unit(const PrintJob& job, std::size_t unit, const StagedFiles
     const bool in_pdf = place.format == SheetFormat::pdf;
     if (in_pdf && (job.style.single || place.index > 0)) continue;
     const Result<std::string> bytes = bytes_of(place);
-    if (!bytes) return fail(bytes.error().message);
+    if (!bytes) return fail(bytes);
     if (auto added = files.add(place.file, *bytes); !added) return added;
   }
   return {};
@@ -225,18 +225,18 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   if (tags.empty() && style.moved.empty()) {
     return fail(survey.file.string() + ": has no tags to print");
   }
-  if (auto usable = check_file_names(tags); !usable) return fail(usable.error().message);
+  if (auto usable = check_file_names(tags); !usable) return fail(usable);
   PrintJob job;
   job.survey = &survey;
   job.style = style;
   const bool has_pdf = std::ranges::count(style.formats, SheetFormat::pdf) > 0;
   if (job.style.paper && has_pdf) job.style.paper->reach = reach_of(job.printer_scale());
   job.printed = survey.tag_template;
-  if (auto drawn = draw_on_dots(job); !drawn) return fail(drawn.error().message);
-  if (auto adjusted = check_bar_adjustment(job); !adjusted) return fail(adjusted.error().message);
-  if (auto planned = plan_plate_parts(job, tags); !planned) return fail(planned.error().message);
+  if (auto drawn = draw_on_dots(job); !drawn) return fail(drawn);
+  if (auto adjusted = check_bar_adjustment(job); !adjusted) return fail(adjusted);
+  if (auto planned = plan_plate_parts(job, tags); !planned) return fail(planned);
   const std::size_t count = std::max<std::size_t>(tags.size(), 1);
-  if (auto planned = plan_pages(job, count); !planned) return fail(planned.error().message);
+  if (auto planned = plan_pages(job, count); !planned) return fail(planned);
   job.units = units_of(job, tags);
   return job;
 }

@@ -68,7 +68,7 @@ Result<TagsToPrint> read_tags_to_print(const std::string& path, std::istream& st
     text.assign(std::istreambuf_iterator<char>(standard_input), {});
   } else {
     const Result<std::string> bytes = read_file(path, kMostBytes);
-    if (!bytes) return fail(bytes.error().message);
+    if (!bytes) return fail(bytes);
     text = *bytes;
   }
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());

@@ -448,7 +448,7 @@ Result<void> write_order(const PrintJob& job, const PrintRecord& record, const S
   if (!job.style.order) return {};
   const Sheet sheet = order_sheet(job, record);
   const Result<std::string> pdf = render_pdf({&sheet, 1});
-  if (!pdf) return fail(pdf.error().message);
+  if (!pdf) return fail(pdf);
   auto added = files.add(kOrderPdf, *pdf);
   if (job.tiles) return added;
   for (const PrintUnit& unit : job.units) {
@@ -495,7 +495,7 @@ Result<std::string> setting_out_pdf(const Survey& survey, std::span<const Settin
       setting_out_table(survey, list, style.revision, style.setting_out_paper);
   Result<std::vector<Sheet>> drawing =
       setting_out_drawing(survey, list, style.revision, style.setting_out_paper);
-  if (!drawing) return fail(drawing.error().message);
+  if (!drawing) return fail(drawing);
   std::ranges::move(*drawing, std::back_inserter(sheets));
   return render_pdf(sheets);
 }
@@ -523,7 +523,7 @@ Result<void> write_setting_out(const PrintJob& job, const PrintRecord& record,
   auto added = files.add(kSettingOutList, setting_out_csv(survey, list, job.style.northing_first));
   if (!added) return added;
   const Result<std::string> pdf = setting_out_pdf(survey, list, job.style);
-  return pdf ? files.add(kSettingOutPdf, *pdf) : fail(pdf.error().message);
+  return pdf ? files.add(kSettingOutPdf, *pdf) : fail(pdf);
 }
 
 Result<std::vector<TagProof>> prove_unit(const PrintJob& job, const StagedFiles& files,
@@ -554,7 +554,7 @@ Result<void> prove_all(const PrintJob& job, const StagedFiles& files, PrintRecor
   const auto prove = [&](std::size_t i) { return prove_unit(job, files, i); };
   const auto take = [&](std::size_t, Result<std::vector<TagProof>>& proofs) {
     if (proofs) std::ranges::move(*proofs, std::back_inserter(*record.proofs));
-    if (!proofs && all) all = fail(proofs.error().message);
+    if (!proofs && all) all = fail(proofs);
   };
   run_below_bar("pages proved", job.units.size(), job.style.jobs, prove, take);
   return all;
@@ -583,7 +583,7 @@ Result<void> publish_with_zip(const PrintJob& job, const std::filesystem::path& 
   }
   const std::filesystem::path& zip = job.style.zip;
   Result<StagedFiles> beside = StagedFiles::begin(zip.has_parent_path() ? zip.parent_path() : ".");
-  if (!beside) return fail(beside.error().message);
+  if (!beside) return fail(beside);
   if (auto written = write_zip(beside->staged(zip.filename()), entries); !written) return written;
   // The ZIP first: it may be on a full disk, and then the folder stays unchanged.
   if (auto published = beside->publish(); !published) return published;
@@ -603,7 +603,7 @@ Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder,
   if (auto proved = prove_all(job, files, record); !proved || has_problems(record)) return proved;
   for (auto& [name, hash] : record.sha256) {
     const Result<std::string> found = sha256_of_file(files.staged(name));
-    if (!found) return fail(found.error().message);
+    if (!found) return fail(found);
     hash = *found;
   }
   auto added = files.add(kManifestJson, print_manifest_json(job, record));
@@ -626,11 +626,11 @@ Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& 
   for (const auto& [name, hash] : record.sha256) files.writes(folder / name, "--output");
   for (const char* name : {kManifestJson, kManifestCsv}) files.writes(folder / name, "--output");
   if (!job.style.zip.empty()) files.writes(job.style.zip, "--zip");
-  if (auto usable = files.check(); !usable) return fail(usable.error().message);
+  if (auto usable = files.check(); !usable) return fail(usable);
   Result<StagedFiles> staged = StagedFiles::begin(folder);
-  if (!staged) return fail(staged.error().message);
+  if (!staged) return fail(staged);
   const Result<void> written = write_all(job, folder, *staged, record);
-  return written ? Result<PrintRecord>(std::move(record)) : fail(written.error().message);
+  return written ? Result<PrintRecord>(std::move(record)) : fail(written);
 }
 
 }  // namespace tagsmith::detail

@@ -156,7 +156,7 @@ Result<Move> move_to(const fs::path& target, const fs::path& staged) {
     return fail(target.string() + ": is a folder, expected a file or nothing");
   }
   const Result<fs::path> file = within_reach(target, staged);
-  if (!file) return fail(file.error().message);
+  if (!file) return fail(file);
   if (fs::exists(fs::symlink_status(target, ignored))) {
     move.replaced = temporary_beside(*file);
     fs::rename(target, move.replaced, error);
@@ -176,7 +176,7 @@ Result<void> write_streams(const fs::path& folder, const fs::path& staging) {
     const fs::path name = folder / file.filename();
     if (!is_stream(name)) continue;
     const Result<std::string> bytes = read_file(file, std::numeric_limits<std::uintmax_t>::max());
-    if (!bytes) return fail(bytes.error().message);
+    if (!bytes) return fail(bytes);
     if (auto written = write_file(name, *bytes); !written) return written;
     fs::remove(file, error);
   }
@@ -271,7 +271,7 @@ Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
     made->is_interrupted = true;
     made->remove_while_written();
   });
-  if (auto there = files.make_folders(); !there) return tl::unexpected(there.error());
+  if (auto there = files.make_folders(); !there) return fail(there);
   remove_abandoned(files.folder_);
   if (files.make_staging()) return files;
   return fail(folder.string() +
@@ -302,7 +302,7 @@ Result<void> StagedFiles::publish() {
     const Result<Move> move = move_to(behind_links(folder_ / file.filename()), file);
     if (!move) {
       undo(moves);
-      return fail(move.error().message);
+      return fail(move);
     }
     moves.push_back(*move);
   }

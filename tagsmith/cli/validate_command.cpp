@@ -240,7 +240,7 @@ Result<Findings> fix_and_validate(const ValidateOptions& options) {
       std::ranges::copy_if(findings.diagnostics, std::back_inserter(of_file),
                            [&](const Diagnostic& diagnostic) { return diagnostic.file == file; });
       const auto lines = fix_file(file, of_file);
-      if (!lines && !of_file.empty()) return tl::unexpected(lines.error());
+      if (!lines && !of_file.empty()) return fail(lines);
       if (!lines) continue;
       for (const FixedLine& line : *lines) show(file, line, options.json);
       changed = changed || !lines->empty();

@@ -535,7 +535,7 @@ double LogHistogram::quantile(double share) const {
 Result<DrivePlan> plan_drive(const Survey& survey, const Rig& rig, const PlanOptions& options) {
   const double from = options.from.value_or(0);
   const double to = options.to.value_or(survey.tunnel.centerline.length());
-  if (auto good = check(survey, rig, options, from, to); !good) return fail(good.error().message);
+  if (auto good = check(survey, rig, options, from, to); !good) return fail(good);
   DrivePlan plan;
   plan.options = options;
   plan.speed = options.speed.value_or(usual_speed(rig));

@@ -224,7 +224,7 @@ Layout LayoutSearch::given() const { return {survey_.tag_template, *survey_.seri
 Result<double> LayoutSearch::find_demanded(const Freedom& freedom) {
   for (Demand* demand : {&coarse_, &fine_}) {
     auto columns = find_demanded(demand->options, freedom);
-    if (!columns) return fail(columns.error().message);
+    if (!columns) return fail(columns);
     demand->demanded = std::move(*columns);
   }
   const auto count = std::ranges::count(fine_.demanded, true);
@@ -254,7 +254,7 @@ Result<std::vector<bool>> LayoutSearch::find_demanded(PlanOptions options,
   std::vector<bool> columns;
   for (const Layout& layout : layouts) {
     const auto plan = plan_of(layout, options);
-    if (!plan) return fail(plan.error().message);
+    if (!plan) return fail(plan);
     columns.resize(plan->columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (plan->columns[i].least_tags > requirement_.tags_lost) columns[i] = true;
@@ -571,10 +571,10 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
                               const Requirement& requirement, CostOrder order,
                               const Freedom& freedom, const PlanOptions& options,
                               const SearchProgress& progress) {
-  if (auto good = check(survey); !good) return fail(good.error().message);
+  if (auto good = check(survey); !good) return fail(good);
   LayoutSearch search(survey, rig, templates, requirement, order, options);
   const Result<double> demanded_share = search.find_demanded(freedom);
-  if (!demanded_share) return fail(demanded_share.error().message);
+  if (!demanded_share) return fail(demanded_share);
   Optimisation result;
   result.demanded_share = *demanded_share;
   result.demanded = search.demanded();

@@ -218,7 +218,7 @@ Result<LogoDrawing> trace(RsvgHandle* handle, double width, double height) {
     return static_cast<int>(std::ceil(metres * pixels_per_metre)) + 2 * kMargin;
   };
   const Result<Darkness> dark = darkness_of(handle, pixels(drawn_width), pixels(drawn_height));
-  if (!dark) return tl::unexpected(dark.error());
+  if (!dark) return fail(dark);
   LogoDrawing logo{{0, 0, width, height}, Tracer(*dark).outlines()};
   if (logo.outlines.empty()) return fail("has nothing that is darker than middle grey");
   for (std::vector<PlatePoint>& outline : logo.outlines) {
@@ -235,7 +235,7 @@ Result<LogoDrawing> trace(RsvgHandle* handle, double width, double height) {
 Result<LogoDrawing> load_logo(const std::filesystem::path& file, double width, double height) {
   constexpr std::size_t kMostBytes = 2'000'000;
   const Result<std::string> bytes = read_file(file);
-  if (!bytes) return tl::unexpected(bytes.error());
+  if (!bytes) return fail(bytes);
   if (bytes->size() > kMostBytes) return fail(file.string() + ": has more than 2 MB");
   if (!librsvg()) return fail(librsvg().error().message);
   const SvgPicture handle(

@@ -107,7 +107,7 @@ Result<std::string> render_pdf(std::span<const Sheet> sheets, const OutputIntent
   };
   const Result<void> drawn =
       draw_pdf([&](const auto& add) { std::ranges::for_each(sheets, add); }, intent, keep);
-  return drawn ? Result<std::string>(std::move(bytes)) : fail(drawn.error().message);
+  return drawn ? Result<std::string>(std::move(bytes)) : fail(drawn);
 }
 
 Result<void> write_pdf(const std::filesystem::path& path, const SheetSource& sheets,

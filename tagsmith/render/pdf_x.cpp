@@ -71,7 +71,7 @@ std::string in_language(const char* name, const std::string& text) {
 Result<OutputIntent> load_output_intent(const std::filesystem::path& file) {
   constexpr std::size_t kMostBytes = 10'000'000;
   const Result<std::string> bytes = read_file(file);
-  if (!bytes) return tl::unexpected(bytes.error());
+  if (!bytes) return fail(bytes);
   if (bytes->size() > kMostBytes) {
     return fail(file.string() + ": has more than 10 MB, expected an ICC profile");
   }

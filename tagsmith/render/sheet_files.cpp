@@ -41,13 +41,13 @@ Result<std::vector<SheetFile>> render_sheets(std::span<const Sheet> sheets,
   if (sheets.empty()) return fail(path.string() + ": no sheet to draw, expected at least one");
   if (*format == SheetFormat::pdf) {
     Result<std::string> bytes = render_pdf(sheets);
-    if (!bytes) return tl::unexpected(bytes.error());
+    if (!bytes) return fail(bytes);
     return std::vector{SheetFile{path, std::move(*bytes)}};
   }
   std::vector<SheetFile> files;
   for (const Sheet& sheet : sheets) {
     Result<std::string> bytes = render_sheet(sheet, *format);
-    if (!bytes) return tl::unexpected(bytes.error());
+    if (!bytes) return fail(bytes);
     files.push_back(
         {sheets.size() > 1 ? numbered(path, files.size() + 1) : path, std::move(*bytes)});
   }

@@ -417,7 +417,7 @@ Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
   for (const DrawingPart& part : parts) {
     Result<Flow> chosen =
         check_views(part.views).and_then([&] { return choose_scale(part.views, part.style); });
-    if (!chosen) return tl::unexpected(chosen.error());
+    if (!chosen) return fail(chosen);
     count += chosen->sheets.size();
     flows.push_back(std::move(*chosen));
   }

@@ -256,7 +256,7 @@ void name_drive(Sketch& sketch, const Survey& survey) {
 }  // namespace
 
 Result<std::vector<Sheet>> draw_together(const std::vector<Survey>& surveys, Paper paper) {
-  if (const auto one = check_one_grid(surveys); !one) return fail(one.error().message);
+  if (const auto one = check_one_grid(surveys); !one) return fail(one);
   DrawingView view;
   double coarsest = std::numeric_limits<double>::infinity();
   TitleBlock block{"Drives", "Several surveys in one plan", {}};

@@ -91,7 +91,7 @@ Result<void> write_zip(const std::filesystem::path& path, std::span<const ZipEnt
   };
   for (const ZipEntry& entry : entries) {
     const Result<std::string> bytes = read_file(entry.file, kMostBytes);
-    if (!bytes) return fail(bytes.error().message);
+    if (!bytes) return fail(bytes);
     const std::optional<std::string> packed = raw_deflated(*bytes);
     if (!packed) return fail(path.string() + ": " + entry.name + " cannot be compressed");
     const std::string described = description(entry.name, *bytes, packed->size());

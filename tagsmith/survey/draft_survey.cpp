@@ -706,7 +706,7 @@ Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft) {
     DraftPart part{part_between(draft, run, from, to), from, to};
     part.draft.name += "-" + std::to_string(parts.size() + 1);
     const Result<PositionCode> code = untaken_code(run, draft.code.check, taken);
-    if (!code) return tl::unexpected(code.error());
+    if (!code) return fail(code);
     part.draft.code = *code;
     parts.push_back(std::move(part));
     if (!is_last) from = std::clamp(pairs[end].first - plate, 0.0, border);

@@ -107,7 +107,7 @@ std::string center_value(const CalibratedIntrinsics& intrinsics) {
 Result<std::string> rig_with_calibration(std::string_view rig_text, const std::string& camera,
                                          const CalibratedIntrinsics& intrinsics) {
   const Result<YamlNode> map = camera_map(rig_text, camera);
-  if (!map) return fail(map.error().message);
+  if (!map) return fail(map);
   const std::vector<std::string> path{"cameras", camera};
   Result<std::string> without = remove_yaml_keys(rig_text, path, replaced_keys());
   if (!without) return without;
@@ -121,7 +121,7 @@ Result<std::string> rig_with_calibration(std::string_view rig_text, const std::s
 Result<std::string> rig_with_mounting(std::string_view rig_text, const std::string& camera,
                                       const CalibratedMounting& mounting) {
   const Result<YamlNode> map = camera_map(rig_text, camera);
-  if (!map) return fail(map.error().message);
+  if (!map) return fail(map);
   const std::vector<std::string> path{"cameras", camera};
   Result<std::string> without =
       remove_yaml_keys(rig_text, path, {"alpha", "yaw", "pitch", "roll", "position"});

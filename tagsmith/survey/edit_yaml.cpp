@@ -68,7 +68,7 @@ Result<std::vector<Replacement>> replacements(std::string_view text, const YamlN
     const auto index = key.empty() ? std::nullopt : index_of_key(*map, key);
     if (!index) continue;
     const auto replaced = scalar_replaced(text, map->items[*index], edit);
-    if (!replaced) return fail(replaced.error().message);
+    if (!replaced) return fail(replaced);
     std::vector<Replacement> all{*replaced};
     if (key == edit.key) return all;
     const auto key_offset = offset_of(text, map->keys[*index].place, key);
@@ -312,7 +312,7 @@ Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>
   std::vector<Replacement> all;
   for (const YamlEdit& edit : edits) {
     const auto some = replacements(text, *root, edit);
-    if (!some) return fail(some.error().message);
+    if (!some) return fail(some);
     all.insert(all.end(), some->begin(), some->end());
   }
   return replaced(text, std::move(all));
@@ -329,12 +329,12 @@ Result<std::string> edit_yaml_list(std::string_view text, const std::string& lis
   // First: where it coincides with an entry's end, that entry's new keys come before it.
   if (!appended.empty()) {
     auto added = items_appended(text, items, list, appended);
-    if (!added) return fail(added.error().message);
+    if (!added) return fail(added);
     all.push_back(std::move(*added));
   }
   for (const YamlItemEdit& edit : edits) {
     const auto changed = add_item_edit(text, items->items[edit.item], edit, all);
-    if (!changed) return fail(changed.error().message);
+    if (!changed) return fail(changed);
   }
   return replaced(text, std::move(all));
 }

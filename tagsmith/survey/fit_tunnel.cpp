@@ -451,7 +451,7 @@ Result<WallPlan> fit_walls(const std::vector<SurveyedPoint>& points, const Grid&
     return fail("too few points: expected two along the center line (CL), or two on either wall");
   }
   plan.fit = std::move(*fit);
-  if (auto sides = check_sides(plan.points, plan.fit); !sides) return fail(sides.error().message);
+  if (auto sides = check_sides(plan.points, plan.fit); !sides) return fail(sides);
   const bool fits =
       std::ranges::all_of(plan.fit.residuals, [&](double r) { return std::abs(r) <= tolerance; });
   if (!fits)
@@ -647,8 +647,8 @@ Result<void> measure_walls(Tunnel& tunnel, const std::vector<SurveyedPoint>& poi
                            const Grid& grid) {
   const auto left = wall_through(points, grid, tunnel.centerline, Side::left);
   const auto right = wall_through(points, grid, tunnel.centerline, Side::right);
-  if (!left) return tl::unexpected(left.error());
-  if (!right) return tl::unexpected(right.error());
+  if (!left) return fail(left);
+  if (!right) return fail(right);
   tunnel.left = *left;
   tunnel.right = *right;
   return {};
@@ -714,10 +714,10 @@ std::vector<CenterlineElement> elements_between(const std::vector<CenterlineElem
 
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options) {
-  if (auto walls = check_has_walls(points); !walls) return tl::unexpected(walls.error());
-  if (auto ordered = check_order(points); !ordered) return tl::unexpected(ordered.error());
+  if (auto walls = check_has_walls(points); !walls) return fail(walls);
+  if (auto ordered = check_order(points); !ordered) return fail(ordered);
   const Result<WallPlan> plan = plan_of_walls(points, grid, tag, options);
-  if (!plan) return tl::unexpected(plan.error());
+  if (!plan) return fail(plan);
   const Centerline level = options.alignment ? prolonged(*plan, tag.plate_length)
                                              : with_ends(*plan, points, tag.plate_length);
 
@@ -739,12 +739,12 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
       plain_tunnel(plan->fit.width, 0, Centerline(start, level.at(0).heading, floor.elements));
   if (plan->measured_walls) {
     if (auto done = measure_walls(fit.tunnel, points, grid); !done) {
-      return tl::unexpected(done.error());
+      return fail(done);
     }
   }
   const Result<ChainageProfile> roof =
       fit_roof(fit.tunnel.centerline, points, grid, plan->measured_walls, options);
-  if (!roof) return tl::unexpected(roof.error());
+  if (!roof) return fail(roof);
   fit.tunnel.height = *roof;
 
   fit.residuals.resize(points.size());

@@ -582,7 +582,7 @@ std::vector<std::string> own_columns() {
 Result<Diagnosed<PointList>> read_point_list(const std::filesystem::path& path,
                                              const PointListOptions& options) {
   const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
+  if (!text) return fail(text);
   const Result<PointFormat> format = format_of_points(*text);
   if (!format) return fail(path.string() + ": is " + format.error().message);
   FindingLog log(path.string());
@@ -599,7 +599,7 @@ Result<Diagnosed<PointList>> read_point_list(const std::filesystem::path& path,
     const bool own = options.order == "own";
     Result<std::vector<std::string>> columns =
         own ? own_columns() : columns_of_order(options.order);
-    if (!columns) return tl::unexpected(columns.error());
+    if (!columns) return fail(columns);
     if (own && options.metres_per_unit) return fail("--order own is in metres: leave --units out");
     read_table(*text, options, std::move(*columns), list, log);
   }

@@ -406,7 +406,7 @@ std::string plain_yaml(std::string text) {
 // Why: docs/decisions/0015-files-and-ledger.md.
 Result<Diagnosed<Camera>> read_calibration(const CalibrationRequest& request) {
   Result<std::string> text = read_file(request.file, kLargestFile);
-  if (!text) return tl::unexpected(text.error());
+  if (!text) return fail(text);
   FindingLog log(request.file.string());
   const std::size_t start = std::min(text->find_first_not_of(" \t\r\n\xEF\xBB\xBF"), text->size());
   const bool is_xml = std::string_view(*text).substr(start).starts_with('<');

@@ -38,7 +38,7 @@ PrinterProfile read_profile(const YamlNode& root, FindingLog& log) {
 Result<PrinterProfile> read_printer_profile(const std::filesystem::path& path) {
   constexpr std::size_t kMostBytes = 1U << 20U;
   const Result<std::string> text = read_file(path, kMostBytes);
-  if (!text) return tl::unexpected(text.error());
+  if (!text) return fail(text);
   FindingLog log(path.string());
   const std::optional<YamlNode> root = parse_yaml(*text, log);
   PrinterProfile profile;

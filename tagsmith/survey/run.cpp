@@ -261,7 +261,7 @@ std::vector<Measurement> read_rows(std::string_view text, const fs::path& path, 
 
 Result<Run> load_run(const fs::path& path, const Rig& rig) {
   const Result<std::string> bytes = read_file(path);
-  if (!bytes) return tl::unexpected(bytes.error());
+  if (!bytes) return fail(bytes);
   std::string_view text = *bytes;
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
@@ -287,9 +287,9 @@ Result<SurveyedRun> load_surveyed_run(const std::filesystem::path& survey,
                                       const std::filesystem::path& rig,
                                       const std::filesystem::path& run) {
   Result<Survey> surveyed = load_survey(survey);
-  if (!surveyed) return tl::unexpected(surveyed.error());
+  if (!surveyed) return fail(surveyed);
   Result<Rig> driven = load_rig(rig);
-  if (!driven) return tl::unexpected(driven.error());
+  if (!driven) return fail(driven);
   return load_run(run, *driven).map([&](Run rows) {
     return SurveyedRun{std::move(*surveyed), std::move(*driven), std::move(rows)};
   });

@@ -35,7 +35,7 @@ Diagnosed<T> read_yaml_file(const std::filesystem::path& path, std::string_view 
 // The value of a file without errors; fails with all of its findings.
 template <class T>
 Result<T> value_without_errors(Result<Diagnosed<T>> reading) {
-  if (!reading) return tl::unexpected(reading.error());
+  if (!reading) return fail(reading);
   if (!reading->value) return fail(to_string(reading->diagnostics, true));
   return *std::move(reading->value);
 }
