@@ -616,8 +616,8 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
   return variance * (ends.transpose() * matrix.ldlt().solve(ends));
 }
 
-// How much farther from the model samples near the edge are than those of even white and black: the
-// difference of the mean weighted squares of the residuals, grey levels^2.
+// How much farther from the model samples near either edge of the stroke are than those of even
+// white and black: the difference of the mean weighted squares of the residuals, grey levels^2.
 double excess_near_edge(const Solved& solved) {
   const auto& [side, samples, solution] = solved;
   const StepModel model(solution.parameters, side, samples.tone);
@@ -626,7 +626,8 @@ double excess_near_edge(const Solved& solved) {
   float near = 0, near_count = 0, far = 0, far_count = 0;
   for (const FourSamples& four : samples.fours) {
     const Four squares = weighed(model, four, per_scale).residual.array().square();
-    const Four from_edge = (four.across - model.place - model.turn * four.along).abs();
+    const Four inner = four.across - model.place - model.turn * four.along;
+    const Four from_edge = inner.abs().min((inner - model.stroke_at(four.along)).abs());
     const Four is_sample = (four.weight > 0).cast<float>();
     const Four is_near = is_sample * (from_edge < kEdgeFit.fine).cast<float>();
     near += (is_near * squares).sum();
