@@ -125,6 +125,7 @@ Result<std::vector<VerifiedFile>> verify_photos(const AdjustInput& input, int jo
 struct PhotoCounts {
   std::size_t photos = 0;
   std::size_t others = 0;
+  bool any_broken_line = false;
 };
 
 Result<PhotoCounts> read_lines(const AdjustInput& input,
@@ -143,6 +144,7 @@ Result<PhotoCounts> read_lines(const AdjustInput& input,
       return fail(path.string() + ": has no line of `verify --json`");
     }
     report_broken_lines(path.string(), *counts);
+    photo_counts.any_broken_line |= counts->broken > 0;
   }
   if (photo_counts.photos > 0 && photo_counts.others == photo_counts.photos) {
     return fail(fmt::format(
@@ -202,9 +204,14 @@ Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
   return input;
 }
 
-// Every sighting of a tag of the survey, from the photos and from the lines. What was left out is
-// reported on standard error.
-Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs) {
+// Every sighting of a tag of the survey, from the photos and from the lines.
+struct Sightings {
+  std::vector<SightedTag> tags;
+  bool all_lines_read = true;
+};
+
+// What was left out is reported on standard error.
+Result<Sightings> sightings_of(const AdjustInput& input, int jobs) {
   const Result<std::vector<VerifiedFile>> photos = verify_photos(input, jobs);
   if (!photos) return fail(photos);
   std::vector<SightedTag> all;
@@ -231,7 +238,7 @@ Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs)
   for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) {
     to_stderr("{}: {}\n", kAdjust, notes[i]);
   }
-  return all;
+  return Sightings{std::move(all), !photo_counts.any_broken_line};
 }
 
 // ---- How far the tags hang from their surveyed places, as a technical drawing.
@@ -349,9 +356,9 @@ constexpr const char* kAdjustNotes = R"(Example:
 All photos are adjusted at once. The control tags hold them: those with `control: true` in `placed`,
 or those of --control, within the survey's sigma. FILE: output of `verify --json` (.jsonl), which
 takes the place of the photos; or photos, or folders of them. Without FILE the photos of the run.
-Exit: 0 every tag seen has its place, 1 one is not determined, or nothing was written because a
-control tag does not hang where the survey has it, the photos contradict each other or the rig, 2 a
-file could not be read.)";
+Exit: 0 every tag seen has its place, 1 one is not determined, a line of FILE is broken, or nothing
+was written because a control tag does not hang where the survey has it, the photos contradict each
+other or the rig, 2 a file could not be read.)";
 
 // --- what is printed ---
 
@@ -577,15 +584,16 @@ void warn_of_unchecked(const std::vector<ControlGroup>& groups) {
 Result<int> run(const AdjustOptions& options) {
   const Result<AdjustInput> input = load_adjust_input(options);
   if (!input) return fail(input);
-  const Result<std::vector<SightedTag>> sighted = sighted_tags(*input, options.jobs);
-  if (!sighted) return fail(sighted);
+  const Result<Sightings> seen = sightings_of(*input, options.jobs);
+  if (!seen) return fail(seen);
+  const std::vector<SightedTag>& sighted = seen->tags;
   print_assumptions(kAdjust, assumptions({&input->survey, 1}, input->setup.rig));
-  if (const auto doubt = rig_doubt(input->survey, input->setup.rig, *sighted)) {
+  if (const auto doubt = rig_doubt(input->survey, input->setup.rig, sighted)) {
     to_stderr("{}: the rig is in doubt, and nothing was adjusted: {}\n", kAdjust, *doubt);
     return kExitFindings;
   }
   Result<AsBuiltSurvey> found =
-      adjust_as_built(input->survey, input->setup.rig, *sighted, input->control);
+      adjust_as_built(input->survey, input->setup.rig, sighted, input->control);
   if (!found) return fail(options.survey + ": " + found.error().message);
   judge_control(input->survey, *found);
   options.json ? print_json(input->survey, *found) : print_words(input->survey, *found);
@@ -594,7 +602,7 @@ Result<int> run(const AdjustOptions& options) {
   }
   auto reason = reason_not_to_write(*found, input->control);
   if (!reason && count_of(*found, AsBuiltStatus::control) == 1) {
-    reason = doubt_of_single_control(*input, *sighted, *found);
+    reason = doubt_of_single_control(*input, sighted, *found);
   }
   if (!reason) warn_of_unchecked(found->groups);
   if (reason) {
@@ -606,7 +614,9 @@ Result<int> run(const AdjustOptions& options) {
   }
   const auto written = write_survey(options, input->survey, *found);
   if (!written) return fail(written);
-  return count_of(*found, AsBuiltStatus::undetermined) > 0 ? kExitFindings : kExitOk;
+  const bool is_complete =
+      seen->all_lines_read && count_of(*found, AsBuiltStatus::undetermined) == 0;
+  return is_complete ? kExitOk : kExitFindings;
 }
 
 }  // namespace

@@ -207,6 +207,21 @@ TEST_CASE("wrong use is refused with its remedy") {
   refused(shipped + kRun + " --control 001L " + other.string(), "has no line of `verify --json`");
 }
 
+TEST_CASE("a line that was cut short is a finding though every tag has its place") {
+  const TemporaryFolder folder;
+  const std::string survey = "surveys/corridor/survey.yaml";
+  const std::string lines = (folder.path() / "run.jsonl").string();
+  const ProgramOutput verified = run_tagsmith("verify --json " + survey + kRig + kRun);
+  const std::string adjust = "adjust " + survey + kRig + kRun +
+                             " --control 000L,000R,001L,001R,002L,002R,003L,003R,005L,005R,006L,"
+                             "006R,007L,007R " +
+                             lines;
+  REQUIRE(write_file(lines, verified.out));
+  CHECK(run_tagsmith(adjust).exit_code == 0);
+  REQUIRE(write_file(lines, verified.out + "{\"file\":"));
+  CHECK(run_tagsmith(adjust).exit_code == 1);
+}
+
 TEST_CASE("adjust prints what its schema says") {
   const MovedCorridor corridor;
   SchemaJudge judge(schema_json("output/adjust"));
