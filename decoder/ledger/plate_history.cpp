@@ -321,7 +321,7 @@ std::string in_words(const PlateDue& due) {
 }
 
 // The quality of a day that is beyond its limit; what wears before what light does.
-std::optional<std::size_t> failed(const PlateQuality& day) {
+std::optional<std::size_t> failed_parameter(const PlateQuality& day) {
   for (std::size_t i = kWearParameters.size(); i-- > 0;) {
     if (day.values[i] && goodness(i, *day.values[i]) < failing(i)) return i;
   }
@@ -339,10 +339,10 @@ void act(PlateAction action, const std::string& reason, PlateState& state) {
 void judge_last_days(std::span<const PlateQuality> series, std::span<const PlateQuality> at_usual,
                      const AllPlates& all, PlateState& state) {
   const PlateQuality& last = series.back();
-  const auto parameter = failed(last);
+  const auto parameter = failed_parameter(last);
   if (!parameter) return;
-  const bool is_alone =
-      series.size() == 1 || !failed(at_usual.back()) || !failed(at_usual[at_usual.size() - 2]);
+  const bool is_alone = series.size() == 1 || !failed_parameter(at_usual.back()) ||
+                        !failed_parameter(at_usual[at_usual.size() - 2]);
   act(is_alone ? PlateAction::look : cure_of(kWearParameters[*parameter], last.values, all),
       fmt::format("{} {:.2f} on {}, limit {:.2f}", to_string(kWearParameters[*parameter]),
                   *last.values[*parameter], to_text(last.day),
