@@ -22,14 +22,14 @@
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
-#include "tagsmith/survey/check_points.hpp"
-#include "tagsmith/survey/draft_survey.hpp"
-#include "tagsmith/survey/fit_tunnel.hpp"
-#include "tagsmith/survey/length_units.hpp"
-#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/draft/check_points.hpp"
+#include "tagsmith/draft/draft_survey.hpp"
+#include "tagsmith/draft/fit_tunnel.hpp"
+#include "tagsmith/draft/length_units.hpp"
+#include "tagsmith/draft/point_list.hpp"
+#include "tagsmith/draft/walls_beside.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
-#include "tagsmith/survey/walls_beside.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;

@@ -20,11 +20,11 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/draft/point_list.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/place_tags.hpp"
-#include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files of surveyed points of all formats, and the tunnels fitted to them. The first line says the
 // order of the columns; it is empty for formats that have none.
-#include "tagsmith/survey/fit_tunnel.hpp"
-#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/draft/fit_tunnel.hpp"
+#include "tagsmith/draft/point_list.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 

@@ -12,14 +12,14 @@
 namespace tagsmith::detail::house {
 namespace {
 
-constexpr std::array<std::string_view, 25> kLayers{
-    "tagsmith/base",   "tagsmith/geometry",  "tagsmith/symbology",  "tagsmith/tag",
-    "tagsmith/survey", "tagsmith/placement", "tagsmith/paper_plan", "tagsmith/render",
-    "tagsmith/cli",    "decoder/image",      "decoder/simulate",    "decoder/feature_frame",
-    "decoder/scan",    "decoder/reader",     "decoder/paper",       "decoder/localize",
-    "decoder/plates",  "decoder/calibrate",  "decoder/grade",       "decoder/verify",
-    "decoder/ledger",  "decoder/api",        "decoder/python",      "decoder/cli",
-    "main.cpp",
+constexpr std::array<std::string_view, 26> kLayers{
+    "tagsmith/base",         "tagsmith/geometry", "tagsmith/symbology", "tagsmith/tag",
+    "tagsmith/survey",       "tagsmith/draft",    "tagsmith/placement", "tagsmith/paper_plan",
+    "tagsmith/render",       "tagsmith/cli",      "decoder/image",      "decoder/simulate",
+    "decoder/feature_frame", "decoder/scan",      "decoder/reader",     "decoder/paper",
+    "decoder/localize",      "decoder/plates",    "decoder/calibrate",  "decoder/grade",
+    "decoder/verify",        "decoder/ledger",    "decoder/api",        "decoder/python",
+    "decoder/cli",           "main.cpp",
 };
 
 constexpr std::array<std::string_view, 6> kTopFolders{"decoder",  "docs",      "surveys",
@@ -36,7 +36,7 @@ struct ThirdParty {
 constexpr std::array<ThirdParty, 23> kThirdParty{{
     {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
-    {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
+    {"pugixml", "pugixml\\.hpp", "tagsmith/(survey|draft)", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
     {"librsvg", "librsvg/rsvg\\.h", "tagsmith/render", true},
     {"libqrencode", "qrencode\\.h", "tagsmith/render", true},
@@ -59,14 +59,14 @@ constexpr std::array<ThirdParty, 23> kThirdParty{{
     {"fmt", "fmt/.*", "(tagsmith|decoder)/(?!symbology|scan).*|main.cpp", true},
     {"the public interface", "tagsmith/[a-z]+\\.hpp", "decoder/(api|python)", false},
     {"pybind11", "pybind11/.*", "decoder/python", true},
-    {"Eigen", "Eigen/.*", "tagsmith/(geometry|survey|placement|render|cli)|decoder/(?!python).*",
-     false},
+    {"Eigen", "Eigen/.*",
+     "tagsmith/(geometry|survey|draft|placement|render|cli)|decoder/(?!python).*", false},
 }};
 
 // Folders that run programs or touch files below the C++ library may use the system's headers.
 constexpr std::string_view kSystemHeaders = "(sys/)?[a-z0-9_]+\\.h";
 constexpr std::string_view kSystemFolders =
-    "tagsmith/(base|survey|render|cli)|decoder/(image|verify|cli)|main.cpp";
+    "tagsmith/(base|survey|draft|render|cli)|decoder/(image|verify|cli)|main.cpp";
 
 // The headers that are installed: others include them without this project's tree.
 constexpr std::string_view kPublicHeaders = "decoder/api/include/";

@@ -33,6 +33,7 @@ TEST_SECONDS = 120  # the longest takes 30: a change that makes a loop endless i
 TESTS = {
     "tagsmith/base": ["base", "survey", "files"],
     "tagsmith/survey": ["survey", "exchange"],
+    "tagsmith/draft": ["draft", "exchange"],
     "tagsmith/cli": ["survey", "plan_command", "plan_page", "board_command", "files", "commands",
                      "exchange", "print"],
     "tagsmith/paper_plan": ["paper", "placement", "plan_command"],

@@ -21,16 +21,24 @@ namespace {
 
 constexpr const char* kDateShape = "dddd-dd-dd";
 
-// Every text in the readers' sources that has the shape of a rule's code: words joined by hyphens.
+// The sources of what reads and checks a user's files.
+std::string reading_sources() {
+  std::string sources;
+  for (const char* folder : {"tagsmith/survey", "tagsmith/draft"}) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() == ".cpp") sources += *read_file(entry.path());
+    }
+  }
+  return sources;
+}
+
+// Every text in these sources that has the shape of a rule's code: words joined by hyphens.
 std::set<std::string> codes_in_sources() {
   std::set<std::string> codes;
   const std::regex code("\"([a-z0-9]+(-[a-z0-9]+)+)\"");
-  for (const auto& entry : fs::directory_iterator("tagsmith/survey")) {
-    if (entry.path().extension() != ".cpp") continue;
-    const std::string text = *read_file(entry.path());
-    for (std::sregex_iterator match(text.begin(), text.end(), code), end; match != end; ++match) {
-      if ((*match)[1] != kDateShape) codes.insert((*match)[1]);
-    }
+  const std::string text = reading_sources();
+  for (std::sregex_iterator match(text.begin(), text.end(), code), end; match != end; ++match) {
+    if ((*match)[1] != kDateShape) codes.insert((*match)[1]);
   }
   return codes;
 }
@@ -47,10 +55,8 @@ TEST_CASE("every rule that is reported is in the catalogue") {
 }
 
 TEST_CASE("every rule of the catalogue is reported somewhere") {
-  std::string sources = *read_file("tagsmith/survey/rules.hpp");  // that of survey and rig
-  for (const auto& entry : fs::directory_iterator("tagsmith/survey")) {
-    if (entry.path().extension() == ".cpp") sources += *read_file(entry.path());
-  }
+  const std::string sources =
+      *read_file("tagsmith/survey/rules.hpp") + reading_sources();  // that of survey and rig
   for (const Rule& rule : rules()) {
     CAPTURE(rule.code);
     CHECK(sources.find("\"" + std::string(rule.code) + "\"") != std::string::npos);

@@ -14,11 +14,11 @@
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/draft/length_units.hpp"
+#include "tagsmith/draft/point_formats.hpp"
 #include "tagsmith/geometry/centerline.hpp"
-#include "tagsmith/survey/length_units.hpp"
 #include "tagsmith/survey/limits.hpp"
 #include "tagsmith/survey/listed_survey.hpp"
-#include "tagsmith/survey/point_formats.hpp"
 #include "tagsmith/survey/xml_document.hpp"
 
 namespace tagsmith::detail {

@@ -9,9 +9,9 @@
 #include <Eigen/Core>
 
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/draft/fit_tunnel.hpp"
+#include "tagsmith/draft/point_list.hpp"
 #include "tagsmith/survey/finding_log.hpp"
-#include "tagsmith/survey/fit_tunnel.hpp"
-#include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {

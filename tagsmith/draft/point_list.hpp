@@ -11,7 +11,7 @@
 
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/survey/designed_line.hpp"
+#include "tagsmith/draft/designed_line.hpp"
 #include "tagsmith/survey/listed_survey.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/survey.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/point_formats.hpp"
+#include "tagsmith/draft/point_formats.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/length_units.hpp"
+#include "tagsmith/draft/length_units.hpp"
 #include "tagsmith/survey/listed_survey.hpp"
 
 namespace tagsmith::detail {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/walls_beside.hpp"
+#include "tagsmith/draft/walls_beside.hpp"
 
 #include <algorithm>
 

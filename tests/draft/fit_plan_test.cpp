@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/fit_plan.hpp"
+#include "tagsmith/draft/fit_plan.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/draft_survey.hpp"
+#include "tagsmith/draft/draft_survey.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/draft/point_list.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,11 +13,11 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/draft/length_units.hpp"
+#include "tagsmith/draft/point_formats.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
-#include "tagsmith/survey/length_units.hpp"
 #include "tagsmith/survey/limits.hpp"
-#include "tagsmith/survey/point_formats.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/length_units.hpp"
-#include "tagsmith/survey/point_formats.hpp"
+#include "tagsmith/draft/length_units.hpp"
+#include "tagsmith/draft/point_formats.hpp"
 
 namespace tagsmith::detail {
 namespace {

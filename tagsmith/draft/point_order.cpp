@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/point_order.hpp"
+#include "tagsmith/draft/point_order.hpp"
 
 #include <algorithm>
 #include <cmath>

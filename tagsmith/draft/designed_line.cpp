@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/designed_line.hpp"
+#include "tagsmith/draft/designed_line.hpp"
 
 namespace tagsmith::detail {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/draft/point_list.hpp"
 
 namespace tagsmith::detail {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/draft/point_list.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {

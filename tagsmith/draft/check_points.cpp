@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/check_points.hpp"
+#include "tagsmith/draft/check_points.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/draft/point_order.hpp"
 #include "tagsmith/survey/expected_place.hpp"
-#include "tagsmith/survey/point_order.hpp"
 
 namespace tagsmith::detail {
 namespace {

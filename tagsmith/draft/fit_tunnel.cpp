@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/fit_tunnel.hpp"
+#include "tagsmith/draft/fit_tunnel.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/statistics.hpp"
+#include "tagsmith/draft/fit_plan.hpp"
+#include "tagsmith/draft/point_order.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
-#include "tagsmith/survey/fit_plan.hpp"
-#include "tagsmith/survey/point_order.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -14,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/survey/designed_line.hpp"
+#include "tagsmith/draft/designed_line.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 
 namespace tagsmith::detail {

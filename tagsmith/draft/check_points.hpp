@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "tagsmith/draft/fit_tunnel.hpp"
+#include "tagsmith/draft/point_list.hpp"
 #include "tagsmith/survey/finding_log.hpp"
-#include "tagsmith/survey/fit_tunnel.hpp"
-#include "tagsmith/survey/point_list.hpp"
 
 namespace tagsmith::detail {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/survey/fit_tunnel.hpp"
+#include "tagsmith/draft/fit_tunnel.hpp"
 
 #include <cmath>
 #include <vector>
