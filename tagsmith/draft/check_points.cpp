@@ -92,7 +92,7 @@ std::optional<double> apparent_height(const std::vector<SurveyedPoint>& points) 
 
 // ---- Slips.
 
-constexpr double kTimes = 8;  // the scatter
+constexpr double kTimesScatter = 8;  // the scatter
 constexpr std::size_t kLeastOfKind = 7;
 
 // Of values among which some are slips, one standard deviation.
@@ -127,7 +127,7 @@ std::vector<HeightSlip> slips_of(const std::vector<HeightStation>& stations) {
   std::vector<double> all;
   for (const NeighbourOff& beside : offs) all.push_back(beside.off / beside.uncertainty);
   const double sigma = scatter_of(std::move(all));
-  const double tolerance = std::max(kLeastSlip, kTimes * sigma);
+  const double tolerance = std::max(kLeastSlip, kTimesScatter * sigma);
   std::vector<HeightSlip> slips;
   for (std::size_t i = 0; i < offs.size(); ++i) {
     const auto& [off, uncertainty] = offs[i];
@@ -220,9 +220,9 @@ void check_across(const std::vector<SurveyedPoint>& points, const TunnelFit& fit
     for (const std::size_t i : of_kind) offs.push_back(*fit.residuals[i].across);
     const double usual = scatter_of(offs.size() < kLeastOfKind ? all : offs);
     for (std::size_t k = 0; k < offs.size(); ++k) {
-      if (std::abs(offs[k]) <= std::max(kLeastSlip, kTimes * usual)) continue;
+      if (std::abs(offs[k]) <= std::max(kLeastSlip, kTimesScatter * usual)) continue;
       const double sigma = std::max(usual, scatter_beside(offs, k));
-      if (std::abs(offs[k]) <= kTimes * sigma) continue;
+      if (std::abs(offs[k]) <= kTimesScatter * sigma) continue;
       const SurveyedPoint& point = points[of_kind[k]];
       log.warning(
           {point.line, 0}, "across-slip",

@@ -58,8 +58,8 @@ Eigen::Matrix3d world_from_entity(const DxfEntity& entity) {
 }
 
 // For a polyline that is drawn with arcs, metres.
-constexpr double kSagitta = 0.002;  // of chords between its points, at most
-constexpr double kStep = 1;         // between points of its straight parts, at most
+constexpr double kSagitta = 0.002;   // of chords between its points, at most
+constexpr double kStraightStep = 1;  // between points of its straight parts, at most
 
 // Points between two vertices, without these: on their arc, or straight. `metre`: in the drawing's
 // unit.
@@ -72,7 +72,7 @@ std::vector<DxfVertex> points_between(const DxfVertex& from, const DxfVertex& to
   const double angle = 4 * std::atan(bulge);
   const bool bends = std::abs(bulge) * chord.norm() > kStraight * kSagitta * metre;
   Eigen::Vector2d centre(0, 0);
-  double count = chord.norm() / (kStep * metre);
+  double count = chord.norm() / (kStraightStep * metre);
   if (bends) {
     const Eigen::Vector2d left(-chord.y(), chord.x());
     centre = start + chord / 2 + (1 - bulge * bulge) / (4 * bulge) * left;
