@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 
 #include <tagsmith/files.hpp>
 
@@ -47,10 +46,7 @@ VerifiedFile file_from(const std::filesystem::path& path,
 }  // namespace
 
 const char* to_string(TagStatus status) noexcept {
-  constexpr std::array kNames{"ok",        "unknown", "misprinted", "unreadable",
-                              "duplicate", "cut_off", "misplaced",  "doubtful"};
-  static_assert(kNames.size() == detail::kTagStatuses);
-  return kNames[static_cast<std::size_t>(status)];
+  return detail::kTagStatusNames[static_cast<std::size_t>(status)];
 }
 
 bool VerifiedFile::is_ok() const {

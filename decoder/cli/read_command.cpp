@@ -10,7 +10,7 @@
 
 #include "decoder/cli/commands.hpp"
 #include "decoder/cli/file_list.hpp"
-#include "decoder/cli/json.hpp"
+#include "decoder/cli/read_json.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/reader/explain.hpp"

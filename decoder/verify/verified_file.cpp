@@ -9,9 +9,7 @@
 namespace tagsmith::detail {
 
 std::string to_string(TagStatus status) {
-  constexpr std::array<const char*, kTagStatuses> kNames{
-      "ok", "unknown", "misprinted", "unreadable", "duplicate", "cut_off", "misplaced", "doubtful"};
-  return kNames[static_cast<std::size_t>(status)];
+  return kTagStatusNames[static_cast<std::size_t>(status)];
 }
 
 std::string to_string(UpSource source) {

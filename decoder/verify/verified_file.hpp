@@ -3,6 +3,7 @@
 // --resume and `report` read back.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -33,7 +34,9 @@ enum class TagStatus {
   misplaced,   // a tag in order that does not hang where the survey has it
   doubtful,    // a tag in order that contradicts another, or the camera: one of them is wrong
 };
-inline constexpr std::size_t kTagStatuses = 8;
+inline constexpr std::array kTagStatusNames{"ok",        "unknown", "misprinted", "unreadable",
+                                            "duplicate", "cut_off", "misplaced",  "doubtful"};
+inline constexpr std::size_t kTagStatuses = kTagStatusNames.size();
 
 std::string to_string(TagStatus status);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/json.hpp"
+#include "decoder/cli/read_json.hpp"
 
 #include <nlohmann/json.hpp>
 
