@@ -520,7 +520,7 @@ std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
     if (!network.is_idle(s)) result.vehicles.back() = state.vehicles[s];
     for (const std::size_t plate : station.plates) {
       if (result.offsets[plate]) continue;
-      const auto covariance = network.normals().covariance_of(plate);
+      const MatrixXd covariance = network.normals().covariance_of({plate});
       const PlateVector moved = network.moved_by(state, plate);
       result.offsets[plate] =
           offset_of(moved.head<6>(), covariance.topLeftCorner<6, 6>(),

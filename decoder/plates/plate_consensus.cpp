@@ -159,20 +159,11 @@ class Judge {
     }
   }
 
-  std::set<std::size_t> seen_with(std::size_t plate) const {
-    std::set<std::size_t> others;
-    for (const Station& station : found_.problem.stations) {
-      const std::set<std::size_t> seen = plates_of(station);
-      if (seen.contains(plate)) others.insert(seen.begin(), seen.end());
-    }
-    others.erase(plate);
-    return others;
-  }
-
   // Plates seen together with this one that are not taken out.
   std::set<std::size_t> judges_of(std::size_t plate) const {
-    std::set<std::size_t> judges = seen_with(plate);
-    std::erase_if(judges, [&](std::size_t i) { return found_.freed[i] != PlateFreedom::none; });
+    std::set<std::size_t> judges = plates_near(found_.problem.stations, plate);
+    std::erase_if(
+        judges, [&](std::size_t i) { return i == plate || found_.freed[i] != PlateFreedom::none; });
     return judges;
   }
 
@@ -412,11 +403,7 @@ class Judge {
   // All stations that show plates which are seen together with this one.
   std::vector<Station> stations_near(const std::vector<Station>& stations,
                                      std::size_t plate) const {
-    std::set<std::size_t> with_it;
-    for (const Station& station : original_.stations) {
-      const std::set<std::size_t> seen = plates_of(station);
-      if (seen.contains(plate)) with_it.insert(seen.begin(), seen.end());
-    }
+    const std::set<std::size_t> with_it = plates_near(original_.stations, plate);
     std::vector<Station> near;
     std::ranges::copy_if(stations, std::back_inserter(near), [&](const Station& station) {
       return std::ranges::any_of(plates_of(station),
@@ -513,7 +500,8 @@ class Judge {
   // seen with it and doubtful: what else explains that one may explain this one as well.
   bool depends_on_doubtful(std::size_t plate) const {
     bool is_judged = false;
-    for (const std::size_t other : seen_with(plate)) {
+    for (const std::size_t other : plates_near(found_.problem.stations, plate)) {
+      if (other == plate) continue;
       const HangVerdict verdict = result_.plates[other].verdict;
       if (found_.accuses(other) && verdict == HangVerdict::doubtful) return true;
       is_judged = is_judged || verdict == HangVerdict::fits;

@@ -87,18 +87,6 @@ void PlateNormals::invert() {
   inverse_.emplace(SparseMatrix(solver_.matrixL().nestedExpression()), solver_.vectorD());
 }
 
-PlateMatrix PlateNormals::covariance_of(std::size_t plate) const {
-  PlateMatrix covariance;
-  const auto& place = solver_.permutationP().indices();
-  const Index own = column_of(plate);
-  for (Index i = 0; i < kPlateCount; ++i) {
-    for (Index j = 0; j < kPlateCount; ++j) {
-      covariance(i, j) = inverse_->at(place[own + i], place[own + j]);
-    }
-  }
-  return covariance;
-}
-
 MatrixXd PlateNormals::covariance_of(const std::vector<std::size_t>& plates) const {
   std::vector<Index> columns = columns_of(plates);
   columns.resize(kPlateCount * plates.size());

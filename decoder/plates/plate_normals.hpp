@@ -64,8 +64,7 @@ class PlateNormals {
 
   // Makes the elements of the inverse that covariance_of asks for.
   void invert();
-  PlateMatrix covariance_of(std::size_t plate) const;
-  // Of several plates together; takes much longer where some of them were not seen together.
+  // Of these plates together; takes much longer where some of them were not seen together.
   Eigen::MatrixXd covariance_of(const std::vector<std::size_t>& plates) const;
 
   // The places of the plates' and the shared parameters among all.

@@ -414,6 +414,15 @@ std::set<std::size_t> plates_of(const Station& station) {
   return plates;
 }
 
+std::set<std::size_t> plates_near(std::span<const Station> stations, std::size_t plate) {
+  std::set<std::size_t> near;
+  for (const Station& station : stations) {
+    const std::set<std::size_t> seen = plates_of(station);
+    if (seen.contains(plate)) near.insert(seen.begin(), seen.end());
+  }
+  return near;
+}
+
 std::vector<SightedPair> compare_pairs(const AdjustmentProblem& problem) {
   std::vector<SightedPair> pairs;
   for (std::size_t s = 0; s < problem.stations.size(); ++s) {
@@ -446,15 +455,10 @@ bool fits_badly(const Station& station, double chi_square) {
 std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
                                     const std::vector<PlateFreedom>& freed,
                                     const Adjustment& adjustment, std::size_t plate) {
-  std::set<std::size_t> found;
-  for (const Station& station : problem.stations) {
-    const std::set<std::size_t> seen = plates_of(station);
-    if (seen.contains(plate)) found.insert(seen.begin(), seen.end());
-  }
-  found.erase(plate);
-  std::vector<std::size_t> list(found.begin(), found.end());
+  const std::set<std::size_t> seen = plates_near(problem.stations, plate);
+  std::vector<std::size_t> list(seen.begin(), seen.end());
   std::erase_if(list, [&](std::size_t i) {
-    return freed[i] != PlateFreedom::none || !adjustment.offsets[i];
+    return i == plate || freed[i] != PlateFreedom::none || !adjustment.offsets[i];
   });
   std::ranges::stable_sort(list, std::ranges::greater{},
                            [&](std::size_t i) { return adjustment.offsets[i]->chi_square; });

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ namespace tagsmith::detail {
 inline constexpr double kClearlyBetter = 12;  // of chi-square: odds of 400
 
 std::set<std::size_t> plates_of(const Station& station);
+
+// Plates that are seen together with this one, and itself where it is seen.
+std::set<std::size_t> plates_near(std::span<const Station> stations, std::size_t plate);
 
 // Two sightings of one station that show different plates.
 struct SightedPair {
