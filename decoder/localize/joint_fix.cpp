@@ -307,11 +307,6 @@ std::optional<Doubt> doubt(const NamedProblem& named, const PoseSearch& search, 
   const JointProblem& problem = named.problem;
   const JointFit& best = search.candidates.front().fit;
   if (auto rival = doubt_by_rivals(problem, search, grid)) return rival;
-  if (search.contradictory && plate_count(best) < 2) {
-    return Doubt{"the tags contradict each other, each by itself allows a position: " +
-                     pose_text(grid, best.state.vehicle) + " by " + tags_text(problem, best),
-                 true};
-  }
   if (auto displaced = doubt_by_surveys(named, best, grid)) return displaced;
   if (auto outvoted = doubt_by_votes(problem, best, grid)) return outvoted;
   if (auto outvoted = doubt_by_photos(named, best, grid)) return outvoted;

@@ -163,12 +163,6 @@ std::vector<std::size_t> supporters(const JointProblem& problem, const JointFit&
   return chosen;
 }
 
-std::size_t count_plates(const JointProblem& problem, const std::vector<std::size_t>& sightings) {
-  std::set<std::size_t> plates;
-  for (const std::size_t i : sightings) plates.insert(problem.sightings[i].plate);
-  return plates.size();
-}
-
 // The plate of the fit that disagrees most with the rest; nothing when all agree.
 std::optional<std::size_t> worst_plate(const JointProblem& problem, const JointFit& fit) {
   std::optional<std::size_t> worst;
@@ -185,22 +179,15 @@ std::optional<std::size_t> worst_plate(const JointProblem& problem, const JointF
   return worst;
 }
 
-struct Agreement {
-  JointFit fit;
-  bool contradictory = false;  // two plates that do not agree after all
-};
-
-// Fits the tags together, dropping the worst of those that disagree until all agree.
-std::optional<Agreement> fit_agreeing(const JointProblem& problem,
-                                      std::vector<std::size_t> sightings,
-                                      const VehiclePose& start) {
+// Fits the tags together, dropping the worst of those that disagree until all agree, or one is
+// left.
+std::optional<JointFit> fit_agreeing(const JointProblem& problem,
+                                     std::vector<std::size_t> sightings, const VehiclePose& start) {
   for (;;) {
     auto fit = fit_jointly(problem, {sightings, {}}, start);
-    if (!fit) return std::nullopt;
-    if (plate_count(*fit) < 2) return Agreement{std::move(*fit), false};
+    if (!fit || plate_count(*fit) < 2) return fit;
     const auto worst = worst_plate(problem, *fit);
-    if (!worst) return Agreement{std::move(*fit), false};
-    if (plate_count(*fit) == 2) return Agreement{std::move(*fit), true};
+    if (!worst) return fit;
     const std::size_t plate = fit->rows.plates[*worst].plate;
     std::erase_if(sightings, [&](std::size_t i) { return problem.sightings[i].plate == plate; });
   }
@@ -211,9 +198,7 @@ std::optional<Candidate> completed(const JointProblem& problem, JointFit fit) {
   const std::vector<std::size_t> all = supporters(problem, fit);
   if (all.size() > fit.selection.sightings.size()) {
     auto larger = fit_agreeing(problem, all, fit.state.vehicle);
-    if (larger && !larger->contradictory && plate_count(larger->fit) >= plate_count(fit)) {
-      fit = std::move(larger->fit);
-    }
+    if (larger && plate_count(*larger) >= plate_count(fit)) fit = std::move(*larger);
   }
   return with_ranges(problem, std::move(fit));
 }
@@ -277,13 +262,9 @@ PoseSearch search_poses(JointProblem& problem) {
     for (const JointFit& fit : single.fits) {
       const std::vector<std::size_t> agreeing = supporters(problem, fit);
       all_agree = all_agree || agreeing.size() == problem.sightings.size();
-      const std::size_t most =
-          search.candidates.empty() ? 0 : plate_count(search.candidates.front().fit);
-      if (count_plates(problem, agreeing) < most) continue;
-      auto agreement = fit_agreeing(problem, agreeing, fit.state.vehicle);
-      if (!agreement) continue;
-      search.contradictory = search.contradictory || agreement->contradictory;
-      auto candidate = completed(problem, agreement->contradictory ? fit : agreement->fit);
+      auto together = fit_agreeing(problem, agreeing, fit.state.vehicle);
+      if (!together) continue;
+      auto candidate = completed(problem, std::move(*together));
       if (candidate) add_candidate(search, std::move(*candidate));
       std::ranges::stable_sort(search.candidates, is_better);
     }

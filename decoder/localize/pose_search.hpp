@@ -32,7 +32,6 @@ struct Candidate {
 struct PoseSearch {
   std::vector<Candidate> candidates;  // distinct, the best first
   std::vector<std::string> reasons;   // of each sighting: why it alone allows no pose
-  bool contradictory = false;         // two tags agree with neither tag's own pose
 };
 
 // Every pose that a sighting alone allows, with all tags and ranges that agree with it. Where a
