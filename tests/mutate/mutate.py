@@ -47,6 +47,7 @@ TESTS = {
     "decoder/image": ["image", "files"],
     "decoder/ledger": ["ledger"],
     "decoder/localize": ["localize", "adjust"],
+    "decoder/plates": ["plates", "adjust"],
     "decoder/python": ["python"],
     "decoder/scan": ["scan_stages", "reader"],
     "decoder/simulate": ["simulate", "simulate_command"],

@@ -103,7 +103,7 @@ TEST_CASE("focal lengths that are all wrong are told by their factor") {
 }
 
 TEST_CASE("plates of another size than their template are told by their factor") {
-  for (const double factor : {0.96, 1.01, 1.25}) {
+  for (const double factor : {2.0 / 3, 0.96, 1.01, 1.25, 1.5}) {
     CAPTURE(factor);
     Seen seen = corridor_seen(8);
     seen.site.survey.tag_template.frame_inner_length /= factor;

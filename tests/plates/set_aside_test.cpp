@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/localize/joint_method.hpp"
+#include "decoder/plates/live_drive.hpp"
 #include "tests/calibrate/seen_drive.hpp"
 
 namespace tagsmith::detail {
@@ -33,28 +34,28 @@ std::vector<Observation> drive_past_hung(const test::Site& surveyed, const test:
 }
 
 struct Lived {
-  std::vector<std::string> aside;
-  std::vector<Fix> fixes;  // by the tags that were left
+  std::vector<std::string> aside;  // the notes of each tag that was set aside
+  std::vector<Fix> fixes;
+  std::size_t last_aside = 0;  // the fix with the last of these notes
 };
 
-// Measurement by measurement; each is located again where a tag was set aside by it.
+// Measurement by measurement.
 Lived live(const std::vector<Observation>& rows, const test::Site& site) {
-  LiveSetAside memory({site.survey});
+  LiveDrive drive({site.survey}, site.rig);
   Lived lived;
   for (const Observation& row : rows) {
-    const auto located = [&](Observation& seen) {
+    const auto localize = [&](const std::vector<Survey>& surveys, const auto&, Observation& seen) {
       seen = row;
       std::erase_if(seen.tags, [&](const SeenTag& tag) {
-        return find_tag(memory.surveys().front(), std::string_view(tag.tag.name)) == nullptr;
+        return find_tag(surveys.front(), std::string_view(tag.tag.name)) == nullptr;
       });
-      return localize_jointly(seen, memory.surveys(), site.rig);
+      return localize_jointly(seen, surveys, site.rig);
     };
-    Observation seen;
-    Fix fix = located(seen);
-    const RunCheck found = memory.learn(seen, fix, site.rig);
-    if (!found.aside.empty()) fix = located(seen);
-    for (const SetAside& aside : found.aside) lived.aside.push_back(aside.tag + " " + aside.rule);
-    lived.fixes.push_back(fix);
+    lived.fixes.push_back(drive.next(localize, std::nullopt));
+    for (const std::string& note : drive.set_aside_notes()) {
+      lived.aside.push_back(note);
+      lived.last_aside = lived.fixes.size() - 1;
+    }
   }
   return lived;
 }
@@ -65,11 +66,14 @@ TEST_CASE("a drive sets a plate aside once it is certain of it, and by it no pos
   PlacedTag& moved = hung.survey.tags[hung.survey.tags.size() / 2];
   moved.world_from_plate.translation.y() += 0.15;
   const Lived lived = live(drive_past_hung(site, hung), site);
-  CHECK(lived.aside == std::vector<std::string>{moved.name + " moved"});
-  // From the last position that it contradicted on, nothing is dropped any more.
-  CHECK(lived.fixes.back().dropped.empty());
-  CHECK(std::ranges::none_of(lived.fixes.back().tags,
-                             [&](const auto& name) { return name == moved.name; }));
+  REQUIRE(lived.aside.size() == 1);
+  CHECK(lived.aside[0].starts_with("set aside from here on: " + moved.name + " hangs "));
+  // From the measurement that tells of it on, this one included, nothing is dropped any more.
+  for (std::size_t i = lived.last_aside; i < lived.fixes.size(); ++i) {
+    CAPTURE(i);
+    CHECK(lived.fixes[i].dropped.empty());
+    CHECK(std::ranges::find(lived.fixes[i].tags, moved.name) == lived.fixes[i].tags.end());
+  }
 }
 
 TEST_CASE("a plate that only tags of another survey contradict is set aside, too") {
