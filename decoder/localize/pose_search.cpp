@@ -93,9 +93,6 @@ double corners_chi_square(const JointFit& fit) {
 // whether or not another remains: where rig or survey are wrong, only the wrong one of the two may
 // remain.
 SingleFits fit_single(JointProblem& problem, std::size_t index) {
-  constexpr int kFree = 2;            // eight coordinates less six of the pose
-  constexpr double kAsStated = 13.8;  // once in a thousand
-  constexpr double kMostRaised = 100;
   SingleFits result;
   Sighting& sighting = problem.sightings[index];
   const auto starts = vehicle_poses_from(*problem.rig, problem.plates[sighting.plate], sighting);
@@ -108,19 +105,19 @@ SingleFits fit_single(JointProblem& problem, std::size_t index) {
     result.reason = "no pose explains its corners";
     return result;
   }
-  const double raised = corners_chi_square(fits.front()) / kFree;
-  if (raised > kMostRaised) {
+  const auto factor = factor_to_explain(corners_chi_square(fits.front()));
+  if (!factor) {
     result.reason =
         "its corners do not fit a plate of its template on its wall: it is twisted or bent, "
         "something lies along an edge of its frame, or rig or template are those of others";
     return result;
   }
-  if (corners_chi_square(fits.front()) > kAsStated) {
-    sighting.covariance *= raised;
+  if (*factor > 1) {
+    sighting.covariance *= *factor;
     fits = fits_of(problem, index, *starts);
   }
   for (JointFit& fit : fits) {
-    const std::string reason = corners_chi_square(fit) > kAsStated
+    const std::string reason = corners_chi_square(fit) > kCornersAsStated
                                    ? "its corners do not fit the pose that its wall allows"
                                    : impossible(problem, fit);
     if (reason.empty()) {

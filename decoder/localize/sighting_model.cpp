@@ -117,6 +117,13 @@ Eigen::Matrix<double, kSightingRows, 6> by_motion_sigmas(const SightingRows& row
          motion_sigmas(camera.calibration_sigma.shutter).asDiagonal();
 }
 
+std::optional<double> factor_to_explain(double chi_square) {
+  constexpr int kFree = 2;
+  constexpr double kMost = 100;
+  if (chi_square <= kCornersAsStated) return 1;
+  return chi_square <= kFree * kMost ? std::optional(chi_square / kFree) : std::nullopt;
+}
+
 std::optional<std::array<Pose, 2>> camera_poses_from(const Camera& camera,
                                                      const SightedPlate& plate,
                                                      const Sighting& sighting) {

@@ -60,6 +60,14 @@ struct Sighting {
   }
 };
 
+// Chi-square of a plate's eight corner coordinates less the six of its best pose: what is exceeded
+// once in a thousand.
+inline constexpr double kCornersAsStated = 13.8;
+
+// The factor of the corners' covariance with which this chi-square is as stated: 1 where it is so
+// already; nothing where the factor is too great to be believed.
+std::optional<double> factor_to_explain(double chi_square);
+
 // A camera's calibration errors: its mounting (shift in vehicle axes, turn), the relative change of
 // its focal lengths, its principal point, the first coefficient of its distortion; and the
 // vehicle's motion while its shutter passes over the image (shift, turn).

@@ -533,13 +533,10 @@ std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
 }
 
 bool make_consistent(const AdjustmentProblem& problem, Sighting& sighting) {
-  constexpr int kFree = 2;            // eight coordinates less six of the pose
-  constexpr double kAsStated = 13.8;  // chi-square that is exceeded once in a thousand
-  constexpr double kMostRaised = 100;
   const std::vector<SinglePose> poses = single_poses(problem, sighting);
-  if (poses.empty() || poses[0].chi_square > kFree * kMostRaised) return false;
-  if (poses[0].chi_square > kAsStated) sighting.covariance *= poses[0].chi_square / kFree;
-  return true;
+  const auto factor = poses.empty() ? std::nullopt : factor_to_explain(poses[0].chi_square);
+  if (factor) sighting.covariance *= *factor;
+  return factor.has_value();
 }
 
 }  // namespace tagsmith::detail
