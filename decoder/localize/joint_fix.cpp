@@ -516,12 +516,20 @@ std::string unchecked_text(const std::vector<Unchecked>& unchecked) {
                                      fmt::join(parts, ", or "));
 }
 
+// Whether one photo shows all that the fit uses and a range contradicts it: all tags of a photo of
+// another moment agree with each other, too.
+bool rests_on_contradicted_photo(const NamedProblem& named, const JointFit& fit) {
+  std::set<std::string> cameras;
+  for (const std::size_t i : fit.selection.sightings) cameras.insert(named.seen[i]->camera);
+  return cameras.size() == 1 && fit.selection.ranges.size() < named.problem.ranges.size();
+}
+
 void add_notes(Fix& fix) {
   if (fix.tags.size() == 1) fix.notes.emplace_back(kOneTagOnly);
   for (const FittedCorners& seen : fix.corners) {
     if (!seen.used || !seen.is_part) continue;
     fix.notes.push_back(
-        fmt::format("only a part of {} is in sight of camera {}", seen.tag, seen.camera));
+        fmt::format("only a part of {} was read in camera {}", seen.tag, seen.camera));
   }
   if (fix.variance_factor > 1) {
     fix.notes.push_back(
@@ -585,6 +593,10 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
   list_corners(fix, named, settled_fit.state, fit.selection);
   fix.confirmations = static_cast<int>(fix.tags.size()) - 1;
   add_notes(fix);
+  if (rests_on_contradicted_photo(named, fit)) {
+    fix.confirmations = 0;
+    fix.notes.emplace_back(kOnePhotoOnly);
+  }
 }
 
 // Why no tag allows a pose; a reason that several tags share is stated once.

@@ -68,7 +68,7 @@ Fix localize_in(const Observation& observation, const std::vector<Survey>& surve
     Fix none;
     none.survey = fix.survey;
     none.tags = fix.tags;
-    none.reason = fmt::format("only a part of {} is in sight, and no whole tag confirms it",
+    none.reason = fmt::format("only a part of {} was read, and no whole tag confirms it",
                               fmt::join(fix.tags, " and of "));
     return none;
   }

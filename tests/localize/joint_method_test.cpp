@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/localize/joint_model.hpp"
+#include "decoder/localize/motion.hpp"
 #include "decoder/localize/plate_pose.hpp"
 #include "decoder/localize/travel.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -319,6 +320,38 @@ TEST_CASE("a range that contradicts the only tag leaves no position, whichever i
   const Fix fix = localize_jointly(seen, {site.survey}, site.rig);
   CHECK_FALSE(fix.position_in_grid.has_value());
   CHECK(fix.reason.find("range and tag contradict each other") == 0);
+}
+
+TEST_CASE("where a range contradicts all tags and one photo shows them, nothing confirms them") {
+  const Site site = site_named("corridor");
+  const VehiclePose truth = pose_at(site, 0.5, 0.0);
+  Observation of_both = observation_at(site, truth);
+  const RigRange& range = site.rig.ranges.at(0);
+  const double distance = observe_wall(site.survey.tunnel.centerline,
+                                       wall_of(site.survey.tunnel, range.wall), truth.position)
+                              .distance;
+  const auto confirmations = [&](const Observation& seen, double measured) {
+    Observation with = seen;
+    with.ranges[range.name] = measured;
+    const Fix fix = localize_jointly(with, {site.survey}, site.rig);
+    CHECK(error_of(fix, site, truth) < 1e-3);
+    CHECK(fix.tags.size() >= 2);
+    CHECK(has_note(fix, kOnePhotoOnly) == (fix.confirmations == 0));
+    CHECK(confirmed_by_motion(fix).confirmations ==
+          (fix.confirmations == 0 ? 0 : fix.confirmations + 1));
+    return fix.confirmations;
+  };
+  CHECK(confirmations(of_both, distance - 0.4) > 0);
+  Observation of_one = of_both;
+  std::erase_if(of_one.tags, [](const SeenTag& seen) { return seen.camera != "left"; });
+  CHECK(confirmations(of_one, distance) > 0);
+  CHECK(confirmations(of_one, range.max + 0.5) > 0);  // no echo contradicts nothing
+  CHECK(confirmations(of_one, distance - 0.4) == 0);
+  of_one.ranges[range.name] = distance - 0.4;
+  const Fix refused = if_confirmed(localize_jointly(of_one, {site.survey}, site.rig));
+  CHECK_FALSE(refused.position_in_grid.has_value());
+  CHECK_MESSAGE(refused.reason.ends_with(": a photo of another moment would go unnoticed"),
+                refused.reason);
 }
 
 namespace {

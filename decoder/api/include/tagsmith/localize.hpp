@@ -75,7 +75,7 @@ struct Fix {
   std::vector<std::string> ranges;           // used
   std::vector<Dropped> dropped;              // tags and ranges that contradict the position
   // How many agree with the position although one of its plates may be wrong. With 0 a plate that
-  // hangs elsewhere than surveyed is not noticed.
+  // hangs elsewhere than surveyed is not noticed, or a photo of another moment (see notes).
   int confirmations = 0;
   double chi_square = 0;       // weighted residuals squared
   int degrees_of_freedom = 0;  // expectation of chi_square; 0 = it cannot be checked
