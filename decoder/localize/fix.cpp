@@ -93,10 +93,6 @@ Fix doubted(Fix fix, std::string why) {
   return fix;
 }
 
-bool has_note(const Fix& fix, std::string_view note) {
-  return std::ranges::find(fix.notes, note) != fix.notes.end();
-}
-
 Fix if_confirmed(Fix fix) {
   if (!fix.position_in_grid || fix.confirmations > 0) return fix;
   Fix none;
@@ -105,13 +101,12 @@ Fix if_confirmed(Fix fix) {
   none.survey = fix.survey;
   none.tags = fix.tags;
   none.dropped = fix.dropped;
-  none.reason =
-      !fix.doubt.empty() ? fix.doubt
-      : fix.tags.empty()
-          ? "predicted from the motion, which nothing confirms"
-          : fmt::format(
-                "nothing confirms what {} says: {} would go unnoticed", fmt::join(fix.tags, " "),
-                has_note(fix, kOnePhotoOnly) ? "a photo of another moment" : "a wrong plate");
+  none.reason = !fix.doubt.empty() ? fix.doubt
+                : fix.tags.empty()
+                    ? "predicted from the motion, which nothing confirms"
+                    : fmt::format("nothing confirms what {} says: {} would go unnoticed",
+                                  fmt::join(fix.tags, " "),
+                                  fix.one_photo ? "a photo of another moment" : "a wrong plate");
   return none;
 }
 

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -97,10 +96,6 @@ std::string to_string(const Unchecked& unchecked);
 // The note of a fix that uses one tag: what moves the plate along its wall, or swaps it with
 // another of the same wall, moves the position with it, whatever ranges and priors say.
 inline constexpr const char* kOneTagOnly = "one tag only: a wrong plate would go unnoticed";
-// The note on a position by one photo that a range contradicts; not even the motion, which may rest
-// on the same camera, confirms it.
-inline constexpr const char* kOnePhotoOnly =
-    "one photo only, and a range contradicts it: a photo of another moment would go unnoticed";
 
 // The vehicle's centre O at one measurement.
 struct Fix {
@@ -114,8 +109,11 @@ struct Fix {
   std::vector<Dropped> dropped;              // tags and ranges that contradict the position
   // How many agree with the position although one of its plates may be wrong: the tags that it uses
   // minus one, and the motion where that rests on another tag. With 0, a plate that hangs elsewhere
-  // than surveyed, or bears another's code, is not noticed, or (kOnePhotoOnly) an older photo.
+  // than surveyed, or bears another's code, is not noticed, or (one_photo) an older photo.
   int confirmations = 0;
+  // One photo shows all tags that are used, and a range contradicts it. Not even the motion, which
+  // may rest on the same camera, confirms such a position.
+  bool one_photo = false;
   // In the survey's grid, metres; there exactly when the measurement was located.
   std::optional<Eigen::Vector3d> position_in_grid;
   std::optional<Eigen::Matrix3d> covariance_in_grid;  // of x, y, z, metres^2
@@ -157,8 +155,6 @@ Fix doubted(Fix fix, std::string why);
 
 // "do not rely on this position: ..."
 std::string note_of_doubt(const std::string& why);
-
-bool has_note(const Fix& fix, std::string_view note);
 
 // The fix, or no position with the reason where nothing confirms it.
 Fix if_confirmed(Fix fix);

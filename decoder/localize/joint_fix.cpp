@@ -526,6 +526,10 @@ bool rests_on_contradicted_photo(const NamedProblem& named, const JointFit& fit)
 
 void add_notes(Fix& fix) {
   if (fix.tags.size() == 1) fix.notes.emplace_back(kOneTagOnly);
+  if (fix.one_photo) {
+    fix.notes.emplace_back(
+        "one photo only, and a range contradicts it: a photo of another moment would go unnoticed");
+  }
   for (const FittedCorners& seen : fix.corners) {
     if (!seen.used || !seen.is_part) continue;
     fix.notes.push_back(
@@ -592,11 +596,9 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
   list_dropped(fix, named, search, fit);
   list_corners(fix, named, settled_fit.state, fit.selection);
   fix.confirmations = static_cast<int>(fix.tags.size()) - 1;
+  fix.one_photo = rests_on_contradicted_photo(named, fit);
+  if (fix.one_photo) fix.confirmations = 0;
   add_notes(fix);
-  if (rests_on_contradicted_photo(named, fit)) {
-    fix.confirmations = 0;
-    fix.notes.emplace_back(kOnePhotoOnly);
-  }
 }
 
 // Why no tag allows a pose; a reason that several tags share is stated once.

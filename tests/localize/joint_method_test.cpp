@@ -336,7 +336,7 @@ TEST_CASE("where a range contradicts all tags and one photo shows them, nothing 
     const Fix fix = localize_jointly(with, {site.survey}, site.rig);
     CHECK(error_of(fix, site, truth) < 1e-3);
     CHECK(fix.tags.size() >= 2);
-    CHECK(has_note(fix, kOnePhotoOnly) == (fix.confirmations == 0));
+    CHECK(fix.one_photo == (fix.confirmations == 0));
     CHECK(confirmed_by_motion(fix).confirmations ==
           (fix.confirmations == 0 ? 0 : fix.confirmations + 1));
     return fix.confirmations;
