@@ -104,9 +104,9 @@ Fix if_confirmed(Fix fix) {
   none.reason = !fix.doubt.empty() ? fix.doubt
                 : fix.tags.empty()
                     ? "predicted from the motion, which nothing confirms"
-                    : fmt::format("nothing confirms what {} says: {} would go unnoticed",
-                                  fmt::join(fix.tags, " "),
-                                  fix.one_photo ? "a photo of another moment" : "a wrong plate");
+                    : fmt::format("nothing confirms what {} says: {}", fmt::join(fix.tags, " "),
+                                  fix.unconfirmed.empty() ? "a wrong plate would go unnoticed"
+                                                          : fix.unconfirmed);
   return none;
 }
 

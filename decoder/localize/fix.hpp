@@ -109,11 +109,10 @@ struct Fix {
   std::vector<Dropped> dropped;              // tags and ranges that contradict the position
   // How many agree with the position although one of its plates may be wrong: the tags that it uses
   // minus one, and the motion where that rests on another tag. With 0, a plate that hangs elsewhere
-  // than surveyed, or bears another's code, is not noticed, or (one_photo) an older photo.
+  // than surveyed, or bears another's code, is not noticed, or what `unconfirmed` says.
   int confirmations = 0;
-  // One photo shows all tags that are used, and a range contradicts it. Not even the motion, which
-  // may rest on the same camera, confirms such a position.
-  bool one_photo = false;
+  // Why neither another tag nor the motion confirms the position, though there is one; else empty.
+  std::string unconfirmed;
   // In the survey's grid, metres; there exactly when the measurement was located.
   std::optional<Eigen::Vector3d> position_in_grid;
   std::optional<Eigen::Matrix3d> covariance_in_grid;  // of x, y, z, metres^2

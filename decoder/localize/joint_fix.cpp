@@ -516,20 +516,21 @@ std::string unchecked_text(const std::vector<Unchecked>& unchecked) {
                                      fmt::join(parts, ", or "));
 }
 
-// Whether one photo shows all that the fit uses and a range contradicts it: all tags of a photo of
-// another moment agree with each other, too.
-bool rests_on_contradicted_photo(const NamedProblem& named, const JointFit& fit) {
+// Fix::unconfirmed. All tags of a photo of another moment agree with each other, and those of
+// photos that are mirrored top to bottom, too. A motion may rest on the same camera.
+std::string objection_to_confirming(const NamedProblem& named, const JointFit& fit) {
   std::set<std::string> cameras;
   for (const std::size_t i : fit.selection.sightings) cameras.insert(named.seen[i]->camera);
-  return cameras.size() == 1 && fit.selection.ranges.size() < named.problem.ranges.size();
+  if (cameras.size() == 1 && fit.selection.ranges.size() < named.problem.ranges.size()) {
+    return "one photo only, and a range contradicts it: a photo of another moment would go "
+           "unnoticed";
+  }
+  return unlikely_stance(named.problem, fit, kLoneStanceGate);
 }
 
 void add_notes(Fix& fix) {
   if (fix.tags.size() == 1) fix.notes.emplace_back(kOneTagOnly);
-  if (fix.one_photo) {
-    fix.notes.emplace_back(
-        "one photo only, and a range contradicts it: a photo of another moment would go unnoticed");
-  }
+  if (!fix.unconfirmed.empty()) fix.notes.push_back(fix.unconfirmed);
   for (const FittedCorners& seen : fix.corners) {
     if (!seen.used || !seen.is_part) continue;
     fix.notes.push_back(
@@ -596,8 +597,8 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
   list_dropped(fix, named, search, fit);
   list_corners(fix, named, settled_fit.state, fit.selection);
   fix.confirmations = static_cast<int>(fix.tags.size()) - 1;
-  fix.one_photo = rests_on_contradicted_photo(named, fit);
-  if (fix.one_photo) fix.confirmations = 0;
+  fix.unconfirmed = objection_to_confirming(named, fit);
+  if (!fix.unconfirmed.empty()) fix.confirmations = 0;
   add_notes(fix);
 }
 

@@ -94,7 +94,7 @@ bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdat
 }
 
 Fix confirmed_by_motion(Fix fix) {
-  if (fix.one_photo) return fix;
+  if (!fix.unconfirmed.empty()) return fix;
   ++fix.confirmations;
   std::erase(fix.notes, kOneTagOnly);
   return fix;

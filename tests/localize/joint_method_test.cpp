@@ -322,6 +322,24 @@ TEST_CASE("a range that contradicts the only tag leaves no position, whichever i
   CHECK(fix.reason.find("range and tag contradict each other") == 0);
 }
 
+TEST_CASE("nothing confirms a vehicle that stands much higher than its rig says") {
+  const Site site = site_named("corridor");
+  const VehiclePose truth = pose_at(site, 0.5, 0.0);
+  const Observation seen = observation_at(site, truth);
+  const auto fix_with_height = [&](double sigmas) {
+    Rig rig = site.rig;
+    rig.vehicle_height -= sigmas * rig.height_sigma;
+    return localize_jointly(seen, {site.survey}, rig);
+  };
+  CHECK(fix_with_height(3).confirmations > 0);
+  const Fix high = fix_with_height(5);
+  CHECK(error_of(high, site, truth) < 1e-3);
+  CHECK(high.tags.size() >= 2);
+  CHECK(high.confirmations == 0);
+  CHECK(confirmed_by_motion(high).confirmations == 0);
+  CHECK_FALSE(fix_with_height(7).position_in_grid.has_value());
+}
+
 TEST_CASE("where a range contradicts all tags and one photo shows them, nothing confirms them") {
   const Site site = site_named("corridor");
   const VehiclePose truth = pose_at(site, 0.5, 0.0);
@@ -336,7 +354,7 @@ TEST_CASE("where a range contradicts all tags and one photo shows them, nothing 
     const Fix fix = localize_jointly(with, {site.survey}, site.rig);
     CHECK(error_of(fix, site, truth) < 1e-3);
     CHECK(fix.tags.size() >= 2);
-    CHECK(fix.one_photo == (fix.confirmations == 0));
+    CHECK(fix.unconfirmed.empty() == (fix.confirmations > 0));
     CHECK(confirmed_by_motion(fix).confirmations ==
           (fix.confirmations == 0 ? 0 : fix.confirmations + 1));
     return fix.confirmations;
@@ -506,7 +524,7 @@ TEST_CASE("of two surveys the one in whose tunnel the vehicle stands names the p
   CHECK_FALSE(localize_jointly(row, surveys, site.rig).position_in_grid.has_value());
 }
 
-TEST_CASE("a lone tag that lifts the vehicle off its floor is not believed, two are") {
+TEST_CASE("a lone tag that lifts the vehicle off its floor is not believed; two are, unconfirmed") {
   Site site = site_named("corridor");
   VehiclePose truth = pose_at(site, 1.0, 0.0);
   truth.position.z() += 4.5 * site.rig.height_sigma;
@@ -514,7 +532,7 @@ TEST_CASE("a lone tag that lifts the vehicle off its floor is not believed, two 
   REQUIRE(seen.tags.size() == 2);
   const Fix two = localize_jointly(seen, {site.survey}, site.rig);
   CHECK(error_of(two, site, truth) < 1e-3);
-  CHECK(two.confirmations == 1);
+  CHECK(two.confirmations == 0);
   seen.tags.pop_back();
   const Fix lone = localize_jointly(seen, {site.survey}, site.rig);
   CHECK_FALSE(lone.position_in_grid.has_value());
