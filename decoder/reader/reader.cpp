@@ -156,8 +156,15 @@ void TagSearch::look_closer() {
   auto linear = std::make_unique<State>(state_->image, state_->options, true);
   linear->is_done = true;
   linear->look_in_frames(found);
-  if (explained(linear->tags) > explained(state_->tags) && is_right_tone(linear->tags) &&
-      are_among(state_->tags, linear->tags)) {
+  const auto is_better = [&] {
+    return explained(linear->tags) > explained(state_->tags) && is_right_tone(linear->tags) &&
+           are_among(state_->tags, linear->tags);
+  };
+  if (is_better()) {
+    linear->look(kFirstLook);
+    linear->look_closer();
+  }
+  if (is_better()) {
     state_ = std::move(linear);
   } else {
     state_->refused_as_linear = linear->detector.result().rejected;

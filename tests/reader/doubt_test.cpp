@@ -137,3 +137,24 @@ TEST_CASE("tags of a camera without a tone curve are read from as far as others"
     CHECK(read[1] >= read[0] - 2);
   }
 }
+
+TEST_CASE(
+    "beside a tag of a camera without a tone curve, one that the border cuts is read in part") {
+  const Digits whole = *parse_digits("019000800402"), cut = *parse_digits("019000900403");
+  ReadOptions options;
+  options.code_book = {whole, cut};
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const GrayImage left = far_tag(0.7, seed, "019000800402", SensorTone::linear).image;
+    const GrayImage right = far_tag(1.3, seed, "019000900403", SensorTone::linear).image;
+    const GrayImage both = side_by_side(left, right);
+    GrayView seen = both.view();
+    seen.width -= 70;
+    const ReadResult result = read_tags(seen, options);
+    REQUIRE(result.tags.size() == 1);
+    CHECK(result.tags[0].digits == whole);
+    CHECK(std::abs(growth_of(*result.tags[0].symbol).px) < 0.05);  // as linear
+    REQUIRE(result.parts.size() == 1);
+    const auto& candidates = result.parts[0].candidates;
+    CHECK(std::ranges::find(candidates, cut, &PartCandidate::digits) != candidates.end());
+  }
+}
