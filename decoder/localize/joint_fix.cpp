@@ -516,9 +516,26 @@ std::string unchecked_text(const std::vector<Unchecked>& unchecked) {
                                      fmt::join(parts, ", or "));
 }
 
-// Fix::unconfirmed. All tags of a photo of another moment agree with each other, and those of
-// photos that are mirrored top to bottom, too. A motion may rest on the same camera.
+// The first range that the fit does not use and that reaches farther than the tags have its wall.
+// What stands before the sensor makes a range shorter, and nothing makes it longer.
+std::optional<std::size_t> range_beyond_wall(const NamedProblem& named, const JointFit& fit) {
+  for (std::size_t i = 0; i < named.problem.ranges.size(); ++i) {
+    const bool is_used = std::ranges::find(fit.selection.ranges, i) != fit.selection.ranges.end();
+    if (!is_used && range_difference(named.problem, fit, i).metres > 0) return i;
+  }
+  return std::nullopt;
+}
+
+// Fix::unconfirmed. All tags of a photo of another moment agree with each other, and so do those of
+// all photos where all are of another moment, or mirrored top to bottom. A motion may rest on the
+// same camera.
 std::string objection_to_confirming(const NamedProblem& named, const JointFit& fit) {
+  if (const auto range = range_beyond_wall(named, fit)) {
+    return fmt::format(
+        "range {} reaches beyond the wall that the tags show: photos of another moment would go "
+        "unnoticed",
+        named.problem.ranges[*range].name);
+  }
   std::set<std::string> cameras;
   for (const std::size_t i : fit.selection.sightings) cameras.insert(named.seen[i]->camera);
   if (cameras.size() == 1 && fit.selection.ranges.size() < named.problem.ranges.size()) {

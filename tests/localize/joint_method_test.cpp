@@ -340,7 +340,8 @@ TEST_CASE("nothing confirms a vehicle that stands much higher than its rig says"
   CHECK_FALSE(fix_with_height(7).position_in_grid.has_value());
 }
 
-TEST_CASE("where a range contradicts all tags and one photo shows them, nothing confirms them") {
+TEST_CASE(
+    "tags that a range contradicts are confirmed by two photos unless it reaches beyond the wall") {
   const Site site = site_named("corridor");
   const VehiclePose truth = pose_at(site, 0.5, 0.0);
   Observation of_both = observation_at(site, truth);
@@ -360,6 +361,7 @@ TEST_CASE("where a range contradicts all tags and one photo shows them, nothing 
     return fix.confirmations;
   };
   CHECK(confirmations(of_both, distance - 0.4) > 0);
+  CHECK(confirmations(of_both, distance + 0.4) == 0);  // through the wall
   Observation of_one = of_both;
   std::erase_if(of_one.tags, [](const SeenTag& seen) { return seen.camera != "left"; });
   CHECK(confirmations(of_one, distance) > 0);
