@@ -101,7 +101,10 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto careful = look.by_all_rows(options, added);
     if (!careful || careful->decoding.fit.explained < kJudge.like_symbol) return std::nullopt;
-    if (!objection_to(careful->decoding, options)) return careful;
+    const double sure = options.min_confidence.value_or(kSureIfCovered);
+    if (!objection_to(careful->decoding, options) && careful->decoding.confidence >= sure) {
+      return careful;
+    }
   }
   return std::nullopt;
 }

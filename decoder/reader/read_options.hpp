@@ -37,10 +37,12 @@ enum class Frameless {
 };
 
 // Least confidence at which a reading is believed: in a frame; in a frame with a code book, whose
-// codes may differ from what is printed in a single digit; without a frame. docs/accuracy.md,
-// "Reliability", compares confidence with the observed share of wrong readings.
+// codes may differ from what is printed in a single digit; where something covers a part of the
+// bars, which the stated doubt does not foresee; without a frame. docs/accuracy.md, "Reliability",
+// compares confidence with the observed share of wrong readings.
 inline constexpr double kSureInFrame = 1.0 - 1e-5;
 inline constexpr double kSureWithBook = 1.0 - 2e-6;
+inline constexpr double kSureIfCovered = 1.0 - 1e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
 // Callers of the library set those of <tagsmith/read.hpp>, which decoder/api/read.cpp copies.
@@ -65,8 +67,8 @@ struct ReadOptions {
   std::vector<Digits> likely_codes;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
-  // Readings below this confidence are refused. Nothing = kSureInFrame, kSureWithBook or
-  // kSureWithoutFrame, whichever applies.
+  // Readings below this confidence are refused. Nothing = kSureInFrame, kSureWithBook,
+  // kSureIfCovered or kSureWithoutFrame, whichever applies.
   std::optional<double> min_confidence;
   // When symbols without a frame are read too, into ReadResult::frameless.
   Frameless frameless = Frameless::never;

@@ -55,3 +55,16 @@ TEST_CASE(
   options.min_confidence = 0;
   CHECK(read_tags(picture.image.view(), options).tags.empty());
 }
+
+TEST_CASE("beside covered bars a character of no digit is not read as the one that fits the rest") {
+  constexpr std::uint64_t kNoDigit = 27'000'279'066;
+  const mass::Picture picture = mass::draw(kNoDigit);
+  ReadOptions options;
+  options.check = CheckDigit::gs1;
+  CHECK(read_tags(picture.image.view(), options).tags.empty());
+  options.min_confidence = kSureInFrame;
+  const ReadResult result = read_tags(picture.image.view(), options);
+  REQUIRE(result.tags.size() == 1);
+  CHECK(result.tags[0].method == ReadingMethod::partly_covered);
+  CHECK(result.tags[0].confidence < kSureIfCovered);
+}

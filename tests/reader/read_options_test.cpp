@@ -49,6 +49,7 @@ TEST_CASE("the surer a reading must be, the fewer codes it may be confused with"
   CHECK(kSureInFrame > 0.999);
   CHECK(kSureWithoutFrame > kSureWithBook);
   CHECK(kSureWithBook > kSureInFrame);
+  CHECK(kSureIfCovered > kSureWithBook);
 }
 
 TEST_CASE("a check digit that is asked for must hold") {
