@@ -101,7 +101,8 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto careful = look.by_all_rows(options, added);
     if (!careful || careful->decoding.fit.explained < kJudge.like_symbol) return std::nullopt;
-    const double sure = options.min_confidence.value_or(kSureIfCovered);
+    // In a frame that bars completed, a side is covered and not the bars.
+    const double sure = options.min_confidence.value_or(quickly_too ? 0 : kSureIfCovered);
     if (!objection_to(careful->decoding, options) && careful->decoding.confidence >= sure) {
       return careful;
     }
