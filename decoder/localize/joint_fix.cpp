@@ -516,33 +516,29 @@ std::string unchecked_text(const std::vector<Unchecked>& unchecked) {
                                      fmt::join(parts, ", or "));
 }
 
-// The first range that the fit does not use and that reaches farther than the tags have its wall.
-// What stands before the sensor makes a range shorter, and nothing makes it longer.
-std::optional<std::size_t> range_beyond_wall(const NamedProblem& named, const JointFit& fit) {
-  for (std::size_t i = 0; i < named.problem.ranges.size(); ++i) {
-    const bool is_used = std::ranges::find(fit.selection.ranges, i) != fit.selection.ranges.end();
-    if (!is_used && range_difference(named.problem, fit, i).metres > 0) return i;
-  }
-  return std::nullopt;
-}
-
 // Fix::unconfirmed. All tags of a photo of another moment agree with each other, and so do those of
 // all photos where all are of another moment, or mirrored top to bottom. A motion may rest on the
 // same camera.
-std::string objection_to_confirming(const NamedProblem& named, const JointFit& fit) {
-  if (const auto range = range_beyond_wall(named, fit)) {
+std::string objection_to_confirming(const Fix& fix, const JointProblem& problem,
+                                    const JointFit& fit) {
+  // What stands before a sensor makes its range shorter, and nothing makes it longer.
+  for (const CheckedRange& range : fix.checked_ranges) {
+    const bool is_used = std::ranges::find(fix.ranges, range.name) != fix.ranges.end();
+    if (is_used || range.metres <= 0) continue;
     return fmt::format(
         "range {} reaches beyond the wall that the tags show: photos of another moment would go "
         "unnoticed",
-        named.problem.ranges[*range].name);
+        range.name);
   }
   std::set<std::string> cameras;
-  for (const std::size_t i : fit.selection.sightings) cameras.insert(named.seen[i]->camera);
-  if (cameras.size() == 1 && fit.selection.ranges.size() < named.problem.ranges.size()) {
+  for (const FittedCorners& seen : fix.corners) {
+    if (seen.used) cameras.insert(seen.camera);
+  }
+  if (cameras.size() == 1 && fix.ranges.size() < fix.checked_ranges.size()) {
     return "one photo only, and a range contradicts it: a photo of another moment would go "
            "unnoticed";
   }
-  return unlikely_stance(named.problem, fit, kLoneStanceGate);
+  return unlikely_stance(problem, fit, kLoneStanceGate);
 }
 
 void add_notes(Fix& fix) {
@@ -614,7 +610,7 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
   list_dropped(fix, named, search, fit);
   list_corners(fix, named, settled_fit.state, fit.selection);
   fix.confirmations = static_cast<int>(fix.tags.size()) - 1;
-  fix.unconfirmed = objection_to_confirming(named, fit);
+  fix.unconfirmed = objection_to_confirming(fix, named.problem, fit);
   if (!fix.unconfirmed.empty()) fix.confirmations = 0;
   add_notes(fix);
 }

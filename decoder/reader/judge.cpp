@@ -98,11 +98,12 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
     auto quick = look.by_agreeing_rows(options);
     if (quick && !objection_to_quick(image, *quick, options)) return quick;
   }
+  // What covers a side need not cover the bars, too.
+  const bool whole = std::ranges::all_of(frame.shown, std::identity{});
+  const double sure = options.min_confidence.value_or(whole ? kSureIfCovered : 0);
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto careful = look.by_all_rows(options, added);
     if (!careful || careful->decoding.fit.explained < kJudge.like_symbol) return std::nullopt;
-    // In a frame that bars completed, a side is covered and not the bars.
-    const double sure = options.min_confidence.value_or(quickly_too ? 0 : kSureIfCovered);
     if (!objection_to(careful->decoding, options) && careful->decoding.confidence >= sure) {
       return careful;
     }
