@@ -67,29 +67,21 @@ float light_inside(const SampledLight& light, PixelPoint at) {
   return interpolated(row_of, static_cast<float>(at.x - left), static_cast<float>(at.y - top));
 }
 
-// A thin line: its samples are taken at start + i * step.
-struct ThinLine {
-  PixelPoint start;
-  PixelPoint step;
-
-  PixelPoint at(std::size_t i) const { return start + static_cast<double>(i) * step; }
-};
-
 // Adds the light along one thin line to `line`.
 void add_light(SampledLight& light, const LineFrame& frame, double offset, ScanLine& line) {
   if (line.empty()) return;
-  const ThinLine thin{frame.pixel(0.5, offset), frame.step * frame.across};
+  const auto at = [&](std::size_t i) { return frame.pixel(static_cast<double>(i) + 0.5, offset); };
   std::size_t first = 0, end = line.size();
-  const auto [top, bottom] = std::minmax({thin.at(first).y, thin.at(end - 1).y});
+  const auto [top, bottom] = std::minmax({at(first).y, at(end - 1).y});
   const auto row_at = [&](double y) {
     return static_cast<int>(std::clamp(y, 0.0, light.height() - 1.0));
   };
   light.make_rows(row_at(top) - 1, row_at(bottom) + 2);
-  while (first < end && !has_light_at(light, thin.at(first))) ++first;
-  while (end > first && !has_light_at(light, thin.at(end - 1))) --end;
-  for (std::size_t i = 0; i < first; ++i) line[i] += light_at(light, thin.at(i));
-  for (std::size_t i = first; i < end; ++i) line[i] += light_inside(light, thin.at(i));
-  for (std::size_t i = end; i < line.size(); ++i) line[i] += light_at(light, thin.at(i));
+  while (first < end && !has_light_at(light, at(first))) ++first;
+  while (end > first && !has_light_at(light, at(end - 1))) --end;
+  for (std::size_t i = 0; i < first; ++i) line[i] += light_at(light, at(i));
+  for (std::size_t i = first; i < end; ++i) line[i] += light_inside(light, at(i));
+  for (std::size_t i = end; i < line.size(); ++i) line[i] += light_at(light, at(i));
 }
 
 // The thin lines that a thick one is the mean of: how many, and where one of them runs.
@@ -239,10 +231,13 @@ bool has_bars(const GrayView& image, const BarRegion& region, int least) {
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
   if (frame.count < 60) return false;
+  // Between wide bars blurred narrow ones are told from the white next to them, not from that of a
+  // whole digit.
+  const std::size_t nearby = frame.count / 20;
   return std::ranges::any_of(std::array{-0.1, 0.1, 0.3}, [&](double share) {
     const ScanLine line =
         roughly_along(image, frame, share * region.height, std::min(12.0, region.height / 8));
-    return count_of_bars(local_darkness(line, line.size() / 10)) >= least;
+    return count_of_bars(local_darkness(line, nearby)) >= least;
   });
 }
 

@@ -17,10 +17,14 @@ struct LineFrame {
   double step = 0.5;  // pixels from one sample of a line to the next
   double begin = 0;   // of the first sample's near edge, pixels from the centre
   std::size_t count = 0;
+  // By what share steps shrink a pixel towards the end of the line, at its centre: bars that run
+  // away from the camera then follow each other evenly.
+  double foreshortening = 0;
 
   // The pixel under a place of a line at an offset along the bars; sample i covers i to i + 1.
   PixelPoint pixel(double place, double offset) const {
-    return centre + (begin + place * step) * across + offset * along;
+    const double even = begin + place * step;
+    return centre + even / (1 + foreshortening / 2 * even) * across + offset * along;
   }
 };
 

@@ -240,10 +240,9 @@ struct ReadRegion {
 std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& region,
                                       const ReadOptions& options) {
   // Other regions are not worth a refusal in the report: enough blur explains any texture.
-  const LineFrame frame = line_frame_for(image, region);
-  auto first = first_line(image, frame, region, Wanted::digits);
+  auto first = first_line(image, region, Wanted::digits);
   if (!first) return std::nullopt;
-  const RegionScan scan = scan_region(image, frame, region, *std::move(first), Wanted::digits);
+  const RegionScan scan = scan_region(image, region, *std::move(first), Wanted::digits);
   DecodeOptions decode_options{options.check, options.code_book};
   if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
   const Evidence evidence = evidence_of(scan.lines);

@@ -49,12 +49,11 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
 }  // namespace
 
 std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region) {
-  const LineFrame frame = line_frame_for(image, region);
-  auto first = first_line(image, frame, region, Wanted::alignment);
+  auto first = first_line(image, region, Wanted::alignment);
   if (!first) return std::nullopt;
-  const auto& boundaries = first->reading.alignment.boundaries;
+  const auto& boundaries = first->line.reading.alignment.boundaries;
   const double middle = (boundaries.front() + boundaries.back()) / 2;
-  const RegionScan scan = scan_region(image, frame, region, *std::move(first), Wanted::alignment);
+  const RegionScan scan = scan_region(image, region, *std::move(first), Wanted::alignment);
   const double offset = (scan.lines.front().offset + scan.lines.back().offset) / 2;
   LocatedBars bars = fit_bars(scan, scan.frame.pixel(middle, offset));
   bars.height = scan.lines.back().offset - scan.lines.front().offset + scan.spacing;

@@ -85,10 +85,9 @@ bool is_inside(const SampledLight& image, PixelPoint at) {
   return at.x >= 0 && at.y >= 0 && at.x <= image.width() - 1 && at.y <= image.height() - 1;
 }
 
-}  // namespace
-
-std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
-                                   const BarRegion& region, Wanted wanted) {
+// The same for lines whose modules grow wider as those of one frame do.
+std::optional<ReadLine> first_line_in(SampledLight& image, const LineFrame& frame,
+                                      const BarRegion& region, Wanted wanted) {
   const double nominal_module = region.length / kModuleCount / frame.step;
   std::vector<ReadLine> lines;
   std::vector<FirstPlace> places;
@@ -127,8 +126,30 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
   return first;
 }
 
-RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
-                       ReadLine first, Wanted wanted) {
+}  // namespace
+
+std::optional<FirstLine> first_line(SampledLight& image, const BarRegion& region, Wanted wanted) {
+  const LineFrame even = line_frame_for(image, region);
+  auto line = first_line_in(image, even, region, wanted);
+  if (!line) return std::nullopt;
+  FirstLine first{even, *std::move(line)};
+  const auto cost_of = [](const ReadLine& of) { return of.reading.alignment.cost_per_module; };
+  // The middle of the symbol then moves by as many modules as boundaries may be off.
+  constexpr double kNearerEnd = 8.0 * kPlacedSlack / kModuleCount;
+  for (const double nearer : {-kNearerEnd, kNearerEnd}) {
+    if (cost_of(first.line) < kBarLines.good) break;
+    LineFrame slanted = even;
+    slanted.foreshortening = nearer / region.length;
+    auto other = first_line_in(image, slanted, region, wanted);
+    if (other && cost_of(*other) < cost_of(first.line)) first = {slanted, *std::move(other)};
+  }
+  return first;
+}
+
+RegionScan scan_region(SampledLight& image, const BarRegion& region, FirstLine found,
+                       Wanted wanted) {
+  const LineFrame& frame = found.frame;
+  ReadLine& first = found.line;
   const BarLook& look = best_look(first, wanted);
   RegionScan scan{frame, std::max(1.0, region.height / kBarLines.lines), &look, {}};
   for (const double direction : {-1.0, 1.0}) {

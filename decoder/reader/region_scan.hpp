@@ -44,14 +44,20 @@ inline constexpr std::array<double, 16> kBoundaryModules{0,  3,  10, 17, 24, 31,
 
 SymbolPlace place_of(const ElasticAlignment& alignment);
 
-// The line to start from, of three thick ones, and its reading: the best of the places whose guard
-// patterns suit best, in either direction. Nothing where none is like a symbol.
-std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
-                                   const BarRegion& region, Wanted wanted);
+// The line that a region's bars are followed from.
+struct FirstLine {
+  LineFrame frame;
+  ReadLine line;
+};
+
+// Of three thick lines the one that is most like a symbol, with its reading: the best of the places
+// whose guard patterns suit best, in either direction. Where none is good, lines are tried along
+// which the modules grow wider at one end. Nothing where none is like a symbol.
+std::optional<FirstLine> first_line(SampledLight& image, const BarRegion& region, Wanted wanted);
 
 // Reads some lines of the region (kBarLines.lines) from the first one outwards, each at the place
 // of its neighbour, with the look of the bars that suits the first one best.
-RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
-                       ReadLine first, Wanted wanted);
+RegionScan scan_region(SampledLight& image, const BarRegion& region, FirstLine first,
+                       Wanted wanted);
 
 }  // namespace tagsmith::detail

@@ -113,6 +113,15 @@ TEST_CASE("a symbol has bars, also where half of it is covered") {
   CHECK(has(tag));
 }
 
+TEST_CASE("blurred narrow bars count although they stand between wide ones") {
+  SeenTag tag = turned_bars();
+  tag.digits = *parse_digits("072527272703");
+  tag.view.module_px = 1.4;
+  tag.blur_px = 1;
+  const GrayImage image = tag.image();
+  CHECK(has_bars(image.view(), tag.region(), 10));
+}
+
 TEST_CASE("a region has as many bars as lines across it turn dark") {
   constexpr int kWidth = 300, kHeight = 120;
   BarRegion region{{150, 60}, {1, 0}, 190, 80};

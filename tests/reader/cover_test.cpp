@@ -35,13 +35,14 @@ struct CoveredPicture {
 struct Hanging {
   double yaw = 0.3, pitch = 0.1, roll = 0.2;
   Eigen::Vector2d off{0, 0};
+  double focal_px = 1600;
 };
 
-Camera camera_of_width(int width) {
+Camera camera_of_width(int width, double focal_px = 1600) {
   Camera camera;
   camera.width = width;
   camera.height = 340;
-  camera.fx = camera.fy = 1600;
+  camera.fx = camera.fy = focal_px;
   camera.cx = (camera.width - 1) / 2.0;
   camera.cy = (camera.height - 1) / 2.0;
   return camera;
@@ -51,7 +52,7 @@ Camera camera_of_width(int width) {
 CoveredPicture read_behind(const PlateFinish& finish, const std::string& code = kCoveredCode,
                            const Hanging& pose = {},
                            std::optional<CheckDigit> check = CheckDigit::gs1) {
-  const Camera camera = camera_of_width(480);
+  const Camera camera = camera_of_width(480, pose.focal_px);
   ScenePlate plate;
   plate.drawing = draw_tag(test::corridor_template(), *parse_digits(code));
   plate.finish = finish;
@@ -135,6 +136,22 @@ TEST_CASE("a board over a side of the frame: the bars say where the side is, and
       const double sigma = std::sqrt(tag.corner_covariance.block<2, 2>(row, row).trace());
       CHECK(off < 1);
       CHECK(off < 4 * sigma + 0.05);
+    }
+  }
+}
+
+TEST_CASE("a board over a side of a tag that is seen from near, twice as large at one end") {
+  for (const double yaw : {-0.8, 0.8}) {
+    for (const Rectangle& board : kBoardsOverSides) {
+      CAPTURE(yaw);
+      CAPTURE(board.x);
+      CAPTURE(board.y);
+      PlateFinish finish;
+      finish.cover = Cover{board, 0.1};
+      const CoveredPicture picture =
+          read_behind(finish, kCoveredCode, {yaw, 0.1, 0.2, {0, 0}, 800});
+      REQUIRE(picture.result.tags.size() == 1);
+      CHECK(to_string(picture.result.tags[0].digits) == kCoveredCode);
     }
   }
 }

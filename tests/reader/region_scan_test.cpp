@@ -26,34 +26,29 @@ SeenTag slanted_bars(double turn = 0) {
 // A picture of a symbol with its light and the lines across its bars.
 struct Lines {
   explicit Lines(const SeenTag& tag)
-      : seen(tag),
-        image(tag.image()),
-        light(image.view()),
-        region(tag.region()),
-        frame(line_frame_for(light, region)) {}
+      : seen(tag), image(tag.image()), light(image.view()), region(tag.region()) {}
 
-  std::optional<ReadLine> first(Wanted wanted = Wanted::digits) {
-    return first_line(light, frame, region, wanted);
+  std::optional<FirstLine> first(Wanted wanted = Wanted::digits) {
+    return first_line(light, region, wanted);
   }
 
   RegionScan scan(Wanted wanted = Wanted::digits) {
     auto line = first(wanted);
     REQUIRE(line);
-    return scan_region(light, frame, region, *std::move(line), wanted);
+    return scan_region(light, region, *std::move(line), wanted);
   }
 
   SeenTag seen;
   GrayImage image;
   SampledLight light;
   BarRegion region;
-  LineFrame frame;
 };
 
 // How far a line's boundaries lie from where the plane has them, modules at most.
-double farthest_off(const Lines& lines, const ReadLine& line) {
+double farthest_off(const Lines& lines, const LineFrame& frame, const ReadLine& line) {
   double worst = 0;
   for (std::size_t i = 0; i < kBoundaryModules.size(); ++i) {
-    const PixelPoint at = lines.frame.pixel(line.reading.alignment.boundaries[i], line.offset);
+    const PixelPoint at = frame.pixel(line.reading.alignment.boundaries[i], line.offset);
     worst = std::max(worst, std::abs(lines.seen.view.plane(at).x + 47.5 - kBoundaryModules[i]));
   }
   return worst;
@@ -79,14 +74,13 @@ TEST_CASE("the first line reads the symbol, in whichever direction it runs") {
     Lines lines(slanted_bars(turn));
     if (turn > 3) {  // seen from the other end
       lines.region.across = -1 * lines.region.across;
-      lines.frame = line_frame_for(lines.light, lines.region);
     }
     const auto first = lines.first();
     REQUIRE(first);
-    CHECK(first->reading.digits == lines.seen.digits);
-    CHECK((place_of(first->reading.alignment).module < 0) == (turn > 3));
-    CHECK(farthest_off(lines, *first) < 0.3);
-    CHECK(std::abs(first->offset) <= lines.region.height / 4);
+    CHECK(first->line.reading.digits == lines.seen.digits);
+    CHECK((place_of(first->line.reading.alignment).module < 0) == (turn > 3));
+    CHECK(farthest_off(lines, first->frame, first->line) < 0.3);
+    CHECK(std::abs(first->line.offset) <= lines.region.height / 4);
   }
 }
 
@@ -98,8 +92,22 @@ TEST_CASE("the first line is one that is not covered") {
   Lines lines(tag);
   const auto first = lines.first();
   REQUIRE(first);
-  CHECK(first->offset > 0.1 * lines.region.height);
-  CHECK(first->reading.digits == tag.digits);
+  CHECK(first->line.offset > 0.1 * lines.region.height);
+  CHECK(first->line.reading.digits == tag.digits);
+}
+
+TEST_CASE("the first line reads symbols whose modules are twice as wide at one end") {
+  for (const double slant : {-0.004, -0.003, -0.002, -0.001, 0.0, 0.001, 0.002, 0.003, 0.004}) {
+    CAPTURE(slant);
+    SeenTag tag = slanted_bars();
+    tag.view.slant = {slant, 0.001};
+    Lines lines(tag);
+    const auto first = lines.first();
+    REQUIRE(first);
+    CHECK(first->line.reading.digits == tag.digits);
+    CHECK(farthest_off(lines, first->frame, first->line) < 0.35);
+    CHECK((first->frame.foreshortening == 0) == (std::abs(slant) < 0.0015));
+  }
 }
 
 TEST_CASE("what is no symbol, or not of the region's size, has no first line") {
@@ -111,7 +119,7 @@ TEST_CASE("what is no symbol, or not of the region's size, has no first line") {
   CHECK(!Lines(tag).first());
   Lines lines(slanted_bars());
   lines.region.length *= 3;
-  CHECK(!first_line(lines.light, lines.frame, lines.region, Wanted::digits));
+  CHECK(!lines.first());
 }
 
 TEST_CASE("lines are read over the whole height of the bars, each where it lies") {
@@ -126,7 +134,7 @@ TEST_CASE("lines are read over the whole height of the bars, each where it lies"
     CHECK(line.offset == doctest::Approx(last + scan.spacing));
     last = line.offset;
     CHECK(line.reading.digits == lines.seen.digits);
-    CHECK(farthest_off(lines, line) < 0.35);
+    CHECK(farthest_off(lines, scan.frame, line) < 0.35);
   }
   CHECK(scan.lines.front().offset < -0.4 * lines.region.height);
   CHECK(scan.lines.back().offset > 0.4 * lines.region.height);
@@ -134,13 +142,17 @@ TEST_CASE("lines are read over the whole height of the bars, each where it lies"
 
 TEST_CASE("lines follow bars that lean by more than one line could be off") {
   Lines lines(slanted_bars(0.1));
-  lines.frame.along = {std::sin(0.35), std::cos(0.35)};
-  const RegionScan scan = lines.scan();
+  auto first = lines.first();
+  REQUIRE(first);
+  first->frame.along = {std::sin(0.35), std::cos(0.35)};
+  first->line.offset = 0;
+  first->line.light = light_along(lines.light, first->frame, 0, lines.region.height / 8);
+  const RegionScan scan = scan_region(lines.light, lines.region, *first, Wanted::digits);
   // From end to end the symbol moves along the lines by so many modules.
   const double moved = std::tan(0.45) * lines.region.height / 2.5;
   CHECK(moved > 15);
   REQUIRE(scan.lines.size() >= 9);
-  for (const ReadLine& line : scan.lines) CHECK(farthest_off(lines, line) < 1.2);
+  for (const ReadLine& line : scan.lines) CHECK(farthest_off(lines, scan.frame, line) < 1.2);
 }
 
 TEST_CASE("a line that reads much worse than most is left out") {
@@ -166,7 +178,7 @@ TEST_CASE("lines in dirt are left out, and those beyond it are read") {
   for (const ReadLine& line : scan.lines) {
     CAPTURE(line.offset);
     CHECK(std::abs(line.offset - covered) > 4);
-    CHECK(farthest_off(lines, line) < 0.5);
+    CHECK(farthest_off(lines, scan.frame, line) < 0.5);
     beyond = beyond || line.offset < covered - 8;
   }
   CHECK(beyond);
