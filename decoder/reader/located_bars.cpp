@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/reader/located_bars.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -14,15 +15,18 @@
 namespace tagsmith::detail {
 namespace {
 
-// Fits the modules of the lines' boundaries; those that most others contradict count little.
+// Fits the modules of the lines' boundaries. A line counts by what its bars leave unexplained, and
+// boundaries that most others contradict count little.
 LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
-  constexpr double kUnit = 100;  // pixels: conditions the equations
+  constexpr double kUnit = 100;        // pixels: conditions the equations
+  constexpr double kLeastCost = 0.05;  // of a line: lower costs say nothing of how sure it is
   LocatedBars bars;
   bars.centre = centre;
   for (int round = 0; round < kDecode.rounds; ++round) {
     Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
     Eigen::Matrix<double, 5, 1> right = Eigen::Matrix<double, 5, 1>::Zero();
     for (const ReadLine& line : scan.lines) {
+      const double cost = std::max(kLeastCost, line.reading.alignment.cost_per_module);
       for (std::size_t i = 0; i < kBoundaryModules.size(); ++i) {
         const PixelPoint pixel =
             scan.frame.pixel(line.reading.alignment.boundaries[i], line.offset);
@@ -31,7 +35,7 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
         const double below = 1 + kUnit * dot(bars.c, p);
         const double off = (bars.a + kUnit * dot(bars.b, p)) / below - module;
         const double ratio = round == 0 ? 0 : off / kBarLines.off;
-        const double weight = 1 / (below * below * (1 + ratio * ratio));
+        const double weight = 1 / (cost * below * below * (1 + ratio * ratio));
         Eigen::Matrix<double, 5, 1> row;
         row << 1, p.x, p.y, -module * p.x, -module * p.y;
         normal += weight * row * row.transpose();

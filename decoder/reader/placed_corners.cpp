@@ -139,12 +139,41 @@ using SeenBands = std::array<SeenPlaces, 4>;
 
 HeightShare band_of(int band) { return {0.25 * band, 0.25 * (band + 1)}; }
 
+// Takes what is plain where the symbol shows bars for covered or saturated: no element is wider
+// than four modules.
+void hide_plain(const SymbolHypothesis& symbol, ScanProfile& bins) {
+  constexpr double kWindow = 5;  // modules
+  const auto count = static_cast<Eigen::Index>(bins.size());
+  const auto bars = bar_shares(bins, symbol.decoding.fit.image, symbol.decoding.digits);
+  Eigen::ArrayXd shown(count), expected(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    shown[i] = bins[static_cast<std::size_t>(i)].darkness;
+    expected[i] = static_cast<double>(bars[static_cast<std::size_t>(i)].share);
+  }
+  const auto variance = [](const auto& places) { return (places - places.mean()).square().mean(); };
+  Eigen::Index end = 0;
+  for (Eigen::Index first = 0; first < count; ++first) {
+    const double until = bins[static_cast<std::size_t>(first)].at + kWindow;
+    while (end < count && bins[static_cast<std::size_t>(end)].at < until) ++end;
+    const Eigen::Index size = end - first;
+    if (variance(shown.segment(first, size)) >=
+        kProfile.plainer * variance(expected.segment(first, size))) {
+      continue;
+    }
+    for (Eigen::Index i = first; i < end; ++i) {
+      bins[static_cast<std::size_t>(i)].variance = kHiddenVariance;
+    }
+  }
+}
+
 SeenBands seen_bands(const SymbolHypothesis& symbol, const RobustProfile& rows) {
+  const bool by_bars_alone = !symbol.frame.shown[1] || !symbol.frame.shown[3];
   SeenBands bands;
   for (int i = 0; i < 4; ++i) {
+    ScanProfile bins = rows.of_agreeing_rows(band_of(i), symbol.profile).bins;
+    if (by_bars_alone) hide_plain(symbol, bins);
     SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
-    bars = seen_places(rows.of_agreeing_rows(band_of(i), symbol.profile).bins,
-                       symbol.decoding.digits, symbol.decoding.fit.image);
+    bars = seen_places(bins, symbol.decoding.digits, symbol.decoding.fit.image);
     bars.covariance *=
         kCorner.alike * (symbol.frame.was_sharpened ? correlation_factor(bars.residuals) : 1);
   }

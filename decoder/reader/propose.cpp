@@ -210,7 +210,7 @@ void propose_bars(SearchContext& search) {
   for (const BarRegion& region : picture.bars()) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
     if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
-        runs_off(picture.image(), region) || !may_be_followed(picture.image(), region)) {
+        !may_be_followed(picture.image(), region)) {
       continue;
     }
     search.consider(region);

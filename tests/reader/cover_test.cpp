@@ -219,6 +219,27 @@ TEST_CASE("corners at a hidden side are off by what their covariance says") {
   CHECK(worst < 15);
 }
 
+// Where nothing of the first bars is left below, their place there follows from those above.
+TEST_CASE("a corner beside which neither frame nor bars show is placed by the other bars") {
+  for (const double from : {0.07, 0.08, 0.09}) {
+    for (const double until : {0.11, 0.15, 0.19}) {
+      CAPTURE(from);
+      CAPTURE(until);
+      PlateFinish finish;
+      finish.cover = Cover{{-0.06, from, until, 0.3}, 0.8};
+      const CoveredPicture picture = read_behind(finish);
+      REQUIRE(picture.result.tags.size() == 1);
+      const Reading& tag = picture.result.tags[0];
+      CHECK(to_string(tag.digits) == kCoveredCode);
+      const Eigen::Vector2d truth = *picture.view.plates.front().corners[3];
+      const double off = std::hypot(tag.corners[3].x - truth.x(), tag.corners[3].y - truth.y());
+      const double sigma = std::sqrt(tag.corner_covariance.block<2, 2>(6, 6).trace());
+      CHECK(off < 4 * sigma);
+      CHECK(off < 0.25);
+    }
+  }
+}
+
 TEST_CASE("a seventh of the bars' height above a cover is enough") {
   const double start = 0.163 * kFrameHeight + 0.0165;
   for (const int modules : {8, 14, 21}) {
