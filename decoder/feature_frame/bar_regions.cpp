@@ -321,6 +321,23 @@ TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known
   return mask;
 }
 
+PixelPoint main_gradient(const TextureGrid& texture, const Quad& quad) {
+  double cos2 = 0, sin2 = 0;
+  for (int row = 0; row < texture.rows; ++row) {
+    const auto [begin, end] = tiles_in_row(quad, row, texture.columns);
+    for (int column = begin; column < end; ++column) {
+      const std::size_t tile =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(texture.columns) +
+          static_cast<std::size_t>(column);
+      const Gradient gradient = gradient_of(texture.tiles[tile]);
+      cos2 += gradient.cos2;
+      sin2 += gradient.sin2;
+    }
+  }
+  const double angle = std::atan2(sin2, cos2) / 2;
+  return {std::cos(angle), std::sin(angle)};
+}
+
 // ---- Regions of parallel bars.
 
 namespace {

@@ -78,6 +78,9 @@ inline bool is_directed(const Gradient& gradient, int least_strength) {
 // and texture without a direction.
 TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known = {});
 
+// Unit: the direction of most gradients of the tiles in a quadrilateral of the image.
+PixelPoint main_gradient(const TextureGrid& texture, const Quad& quad);
+
 // ---- Regions of parallel bars.
 
 // A rectangle full of bars, turned into the direction in which they follow each other, in pixels.

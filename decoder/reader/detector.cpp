@@ -2,6 +2,7 @@
 #include "decoder/reader/detector.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <ranges>
 #include <utility>
 #include <variant>
@@ -16,18 +17,19 @@ namespace {
 
 using Source = TagHypothesis::Source;
 
-// Where the bars are in a frame of which a side may be something else's edge.
-BarRegion bars_inside(const GrayView& image, const Quad& quad, const SymbolLayout& layout) {
-  const std::size_t first = possible_first_corners(image, quad).front();
-  const Homography map =
-      homography_to({quad[first], quad[first + 1], quad[(first + 2) % 4], quad[(first + 3) % 4]});
-  const double margin = layout.width_share(0);
-  const PixelPoint left = map(margin, 0.5), right = map(1 - margin, 0.5);
+// Where the bars are in a frame of which a side may be something else's edge: their direction is
+// that of the texture inside.
+BarRegion bars_inside(const TextureGrid& texture, const Quad& quad, const SymbolLayout& layout) {
   BarRegion region;
-  region.centre = 0.5 * (left + right);
-  region.length = distance(left, right);
-  region.across = 1 / region.length * (right - left);
-  region.height = distance(map(0.5, layout.bars_top), map(0.5, layout.bars_bottom));
+  region.centre = centre_of(quad);
+  region.across = main_gradient(texture, quad);
+  const auto extent = [&](PixelPoint direction) {
+    const auto place = [&](PixelPoint corner) { return dot(corner, direction); };
+    const auto [low, high] = std::ranges::minmax(quad | std::views::transform(place));
+    return high - low;
+  };
+  region.length = extent(region.across) * (1 - 2 * layout.width_share(0));
+  region.height = extent(region.along()) * (layout.bars_bottom - layout.bars_top);
   return region;
 }
 
@@ -187,7 +189,8 @@ TagHypothesis Detector::judged_quickly(const GrayView& image, const Quad& rough,
     if (reading) {
       hypothesis.outcome = *std::move(reading);
     } else {
-      hypothesis.odd_bars = bars_inside(image, frame.corners, typical_);
+      hypothesis.odd_bars =
+          bars_inside(picture_.pyramid().levels().back().texture, frame.corners, typical_);
       hypothesis.outcome = rejection_of(*std::move(symbol), {RejectionReason::side_hidden});
     }
     return hypothesis;
@@ -195,7 +198,8 @@ TagHypothesis Detector::judged_quickly(const GrayView& image, const Quad& rough,
   if (found_.to_be_looked_at() < kSearch.most_tries) {
     hypothesis.may_be_covered = symbol && is_symbol_like(*symbol);
     if (!hypothesis.may_be_covered)
-      hypothesis.odd_bars = bars_inside(image, frame.corners, typical_);
+      hypothesis.odd_bars =
+          bars_inside(picture_.pyramid().levels().back().texture, frame.corners, typical_);
   }
   if (!symbol) {
     hypothesis.outcome = Rejection{RejectionReason::no_guards, frame.corners};
@@ -239,7 +243,9 @@ void Detector::look_at(const RefusedFrame& refused) {
   if (found_.is_read(frame.corners)) return;
   const GrayView seen = as_seen_by(found_[refused.hypothesis]);
   TagHypothesis& looked = judge_carefully(seen, frame, false);
-  if (looked.reading() == nullptr) looked.odd_bars = bars_inside(seen, frame.corners, typical_);
+  if (looked.reading() == nullptr)
+    looked.odd_bars =
+        bars_inside(picture_.pyramid().levels().back().texture, frame.corners, typical_);
 }
 
 TagHypothesis& Detector::judge_carefully(const GrayView& image, const RefinedFrame& frame,

@@ -15,8 +15,9 @@
 namespace tagsmith::detail {
 namespace {
 
-// Fits the modules of the lines' boundaries. A line counts by what its bars leave unexplained, and
-// boundaries that most others contradict count little.
+// Fits the modules of the lines' boundaries. Lines that explain little of their bars, which may
+// have taken something else for the outermost ones, and boundaries that most others contradict
+// count little.
 LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
   constexpr double kUnit = 100;        // pixels: conditions the equations
   constexpr double kLeastCost = 0.05;  // of a line: lower costs say nothing of how sure it is
@@ -35,7 +36,7 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
         const double below = 1 + kUnit * dot(bars.c, p);
         const double off = (bars.a + kUnit * dot(bars.b, p)) / below - module;
         const double ratio = round == 0 ? 0 : off / kBarLines.off;
-        const double weight = 1 / (cost * below * below * (1 + ratio * ratio));
+        const double weight = 1 / (cost * cost * below * below * (1 + ratio * ratio));
         Eigen::Matrix<double, 5, 1> row;
         row << 1, p.x, p.y, -module * p.x, -module * p.y;
         normal += weight * row * row.transpose();

@@ -348,6 +348,25 @@ TEST_CASE("the parts of a level outside the searched tiles show no regions") {
   CHECK(find_candidates(level, options).empty());
 }
 
+TEST_CASE("most gradients in a quadrilateral point across its bars, whatever is around them") {
+  for (const double angle : {0.0, 0.3, 1.2, -0.8}) {
+    CAPTURE(angle);
+    const PixelPoint across{std::cos(angle), std::sin(angle)};
+    GrayImage image{240, 240, {}};
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const PixelPoint at{x - 120.0, y - 120.0};
+        const bool inside = std::abs(at.x) < 70 && std::abs(at.y) < 70;
+        const double place = inside ? dot(at, across) : at.x + at.y;
+        image.samples.push_back(static_cast<std::uint8_t>(130 + 80 * std::sin(place)));
+      }
+    }
+    const Quad quad{{{60, 60}, {180, 60}, {180, 180}, {60, 180}}};
+    const PixelPoint found = main_gradient(texture_of(image.view()), quad);
+    CHECK(std::abs(dot(found, across)) > 0.99);
+  }
+}
+
 TEST_CASE("bars at the border of a picture run off it") {
   const GrayView image{nullptr, 640, 480, 640};
   const BarRegion whole{{320, 240}, {1, 0}, 400, 120};
