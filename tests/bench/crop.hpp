@@ -36,15 +36,26 @@ struct Crop {
   int width = 0;
 };
 
+// Cut at a share of a tag's length from P, so that what is left of there stays, or what is right.
+inline Crop crop_at(double u, bool keeps_left, const FrameCorners& corners, int width) {
+  const double middle = homography_to(corners)(u, 0.5).x;
+  const bool is_before = (corners[0].x < corners[1].x) == keeps_left;
+  const int cut = std::clamp(static_cast<int>(middle), 1, width - 2);
+  return is_before ? Crop{0, cut} : Crop{cut, width - cut};
+}
+
 // Cut across the bars of a tag at a drawn place, from its left or its right.
 inline Crop random_crop(const FrameCorners& corners, int width, std::mt19937_64& random) {
   const double u = std::uniform_real_distribution(0.25, 0.95)(random);
   const bool keeps_left = random() % 2 == 0;
-  const Homography map = homography_to(corners);
-  const double middle = map(u, 0.5).x;
-  const bool is_before = (corners[0].x < corners[1].x) == keeps_left;
-  const int cut = std::clamp(static_cast<int>(middle), 1, width - 2);
-  return is_before ? Crop{0, cut} : Crop{cut, width - cut};
+  return crop_at(u, keeps_left, corners, width);
+}
+
+// Cut 0.5 to 6 modules inside the left or the right side of a frame, beside the bars.
+inline Crop side_crop(const FrameCorners& corners, int width, std::mt19937_64& random) {
+  const double inside = std::uniform_real_distribution(0.5, 6.0)(random) / 113;
+  const bool keeps_left = random() % 2 == 0;
+  return crop_at(keeps_left ? 1 - inside : inside, keeps_left, corners, width);
 }
 
 inline GrayView cropped(GrayView image, const Crop& crop) {

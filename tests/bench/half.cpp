@@ -4,10 +4,10 @@
 //
 // With folders of photos that have a truth.json: the tags in sight, something in front of them or
 // not, those that the border cuts, and each whole one with the photo cropped across its bars at a
-// drawn place, or with a post painted over what that cuts off. The book holds the
-// folder's codes. `drive`: pictures simulated on the center lines of the shipped surveys, their
-// plates and cameras taken for exact; what of the line has a position with and without parts of
-// tags, and how true the positions' covariances are.
+// drawn place or, of upright tags, beside its bars, or with a post painted over what is cut off.
+// The book holds the folder's codes. `drive`: pictures simulated on the center lines of the shipped
+// surveys, their plates and cameras taken for exact; what of the line has a position with and
+// without parts of tags, and how true the positions' covariances are.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -53,8 +53,8 @@ struct Row {
 // By tenths of the bars' length in sight.
 using Table = std::array<Row, 11>;
 
-void count_corners(const PartReading& part, const FrameCorners& truth, Row& row) {
-  const bench::CornerFit fit = bench::corner_fit(part, truth);
+void count_corners(const auto& read, const FrameCorners& truth, Row& row) {
+  const bench::CornerFit fit = bench::corner_fit(read, truth);
   for (const double off : fit.error) row.errors.push_back(std::abs(off));
   row.chi_squares.push_back(fit.chi_square);
 }
@@ -75,6 +75,7 @@ void count_plate(const ReadResult& result, const Digits& code, const FrameCorner
   std::string said = is_whole ? "whole" : "nothing";
   if (is_whole) {
     ++row.whole;
+    count_corners(*std::ranges::find(result.tags, code, &Reading::digits), truth, row);
   } else if (part != result.parts.end()) {
     const bool holds = std::ranges::any_of(part->candidates, is_it);
     const bool single = part->candidates.size() == 1;
@@ -149,6 +150,11 @@ GrayImage with_post(const GrayView& image, const FrameCorners& corners, const be
   return result;
 }
 
+// Whether a column of pixels crosses a tag along its bars, or nearly so.
+bool is_upright(const FrameCorners& corners) {
+  return std::abs(corners[1].x - corners[0].x) > 0.7 * distance(corners[0], corners[1]);
+}
+
 // Reads a folder's photos as they are and cropped.
 bool read_folder(const fs::path& folder, bool verbose) {
   const Result<json> truth = bench::read_truth(folder);
@@ -159,8 +165,8 @@ bool read_folder(const fs::path& folder, bool verbose) {
   ReadOptions options;
   options.code_book = bench::codes_of(*truth);
   options.check = parse_check_digit(truth->at("check").get<std::string>());
-  Table whole, as_they_are, cut, posts;
-  std::mt19937_64 random(1);
+  Table whole, as_they_are, cut, sides, posts;
+  std::mt19937_64 random(1), random_side(1);
   for (const auto& item : truth->at("images")) {
     const std::string file = item.at("file").get<std::string>();
     const Result<GrayImage> image = load_gray_image(folder / file);
@@ -184,19 +190,25 @@ bool read_folder(const fs::path& folder, bool verbose) {
       }
       count_plate(result, code, corners, plate.value("fraction_visible", 1.0), file, verbose,
                   whole);
+      const auto count_cropped = [&](const bench::Crop& crop, Table& table) {
+        const GrayView part = bench::cropped(view, crop);
+        options.camera = camera_of(item, part, crop.first);
+        const FrameCorners there = bench::moved(corners, -crop.first);
+        const double in_sight = bench::share_in_sight(there, part.width, part.height);
+        count_plate(read_tags(part, options), code, there, in_sight,
+                    file + fmt::format(" columns {} to {}", crop.first, crop.first + crop.width),
+                    verbose, table);
+        return in_sight;
+      };
       const bench::Crop crop = bench::random_crop(corners, view.width, random);
-      const GrayView part = bench::cropped(view, crop);
-      options.camera = camera_of(item, part, crop.first);
-      const FrameCorners there = bench::moved(corners, -crop.first);
-      const ReadResult of_part = read_tags(part, options);
-      count_plate(of_part, code, there, bench::share_in_sight(there, part.width, part.height),
-                  file + fmt::format(" columns {} to {}", crop.first, crop.first + crop.width),
-                  verbose, cut);
+      const double in_sight = count_cropped(crop, cut);
+      if (is_upright(corners)) {
+        count_cropped(bench::side_crop(corners, view.width, random_side), sides);
+      }
       const GrayImage behind = with_post(view, corners, crop, random);
       options.camera = camera_of(item, view, 0);
-      count_plate(read_tags(behind.view(), options), code, corners,
-                  bench::share_in_sight(there, part.width, part.height), file + " behind a post",
-                  verbose, posts);
+      count_plate(read_tags(behind.view(), options), code, corners, in_sight,
+                  file + " behind a post", verbose, posts);
     }
   }
   fmt::print("\n{}: whole frames, by the share of the plate that nothing hides\n\n",
@@ -207,6 +219,8 @@ bool read_folder(const fs::path& folder, bool verbose) {
   print(as_they_are);
   fmt::print("\n{}: cropped\n\n", folder.string());
   print(cut);
+  fmt::print("\n{}: cropped beside the bars\n\n", folder.string());
+  print(sides);
   fmt::print("\n{}: behind a post\n\n", folder.string());
   print(posts);
   return true;
