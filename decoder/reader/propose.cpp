@@ -194,11 +194,18 @@ void propose_pieces(SearchContext& search) {
 void propose_refused(SearchContext& search) {
   for (const std::size_t index : search.found.covered_frames())
     search.consider(RefusedFrame{index});
+  std::vector<BarRegion> proposed;
   for (const BarRegion& region : search.found.odd_bars()) {
-    if (!search.found.has_reading_at(region.centre) &&
-        may_be_followed(search.picture.image(), region)) {
-      search.consider(region);
+    const auto same = [&](const BarRegion& other) {
+      return distance(other.centre, region.centre) < 0.02 * region.length &&
+             std::abs(dot(other.across, region.across)) > 0.999;
+    };
+    if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
+        !may_be_followed(search.picture.image(), region)) {
+      continue;
     }
+    search.consider(region);
+    proposed.push_back(region);
   }
 }
 
