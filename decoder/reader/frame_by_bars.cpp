@@ -82,6 +82,17 @@ void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnd
   framed.sigma_px[2] = framed.sigma_px[0];
 }
 
+// Adds the upper (0) or the lower (2) side where the bars show one of their ends.
+void add_side_by_end(const BarField& field, std::size_t side, const BarEnds& ends,
+                     const SymbolLayout& layout, FramedBars& framed) {
+  const FrameHomography map(field.corners, field.lens);
+  const double beyond = side == 0 ? -layout.bars_top : 1 - layout.bars_bottom;
+  const double begin = side == 0 ? 0 : 1;
+  framed.sides[side] = line_through(map(begin, ends.at(begin) + beyond),
+                                    map(1 - begin, ends.at(1 - begin) + beyond));
+  framed.sigma_px[side] = std::hypot(ends.sigma_px, kBarEnds.layout * height_of(field.corners));
+}
+
 // The same for bars that were followed line by line, perhaps not over their full height: their ends
 // are searched around them.
 void look_for_ends(const GrayView& image, const LocatedBars& bars, const SymbolLayout& layout,
@@ -214,10 +225,18 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
     add_sides_by_ends(field, *ends.upper, *ends.lower, layout, in_full);
     const auto& sides = in_full.sides;
     rough = corners_of({*sides[0], *sides[1], *sides[2], *sides[3]}).value_or(expected);
+  } else if (ends.upper) {
+    add_side_by_end(field, 0, *ends.upper, layout, in_full);
+  } else if (ends.lower) {
+    add_side_by_end(field, 2, *ends.lower, layout, in_full);
   }
   const PyramidLevel level{half, 2};
-  return fit_frame(image, level, to_level(level, rough), in_full,
-                   {std::max(0.35, 0.12 * module_px), ends_tolerance_px(expected)}, lens);
+  auto frame = fit_frame(image, level, to_level(level, rough), in_full,
+                         {std::max(0.35, 0.12 * module_px), ends_tolerance_px(expected)}, lens);
+  for (std::size_t i = 0; frame && i < 4; ++i) {
+    if (!frame->shown[i] && !in_full.sides[i]) return std::nullopt;
+  }
+  return frame;
 }
 
 }  // namespace tagsmith::detail

@@ -19,7 +19,8 @@ std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView&
                                           const LensGuess& lens = {});
 
 // The frame fitted again around a symbol that was read: `expected` is where its bars put the
-// frame's corners, clockwise from P. Left and right sides that are not found there count as hidden.
+// frame's corners, clockwise from P. Sides that are not found there count as hidden. Nothing where
+// neither the picture nor the bars' ends place the upper or the lower side.
 std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayView& half,
                                             const Quad& expected, const SymbolLayout& layout,
                                             double module_px, const LensGuess& lens = {});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/reader/frame_by_bars.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -135,6 +136,29 @@ TEST_CASE("an upper or lower edge off where the bars' ends put the frame is some
     REQUIRE(frame);
     CHECK(frame->shown == std::array<bool, 4>{!above, true, above, true});
     CHECK(farthest_apart(frame->corners, tag.corners()) < 1);
+  }
+}
+
+TEST_CASE("a hidden side is placed by the bars' ends beside it alone, and by nothing less") {
+  for (const bool above : {true, false}) {
+    CAPTURE(above);
+    SeenTag tag = bars_seen_aslant();
+    const PlaneCover side = above ? PlaneCover{-80, -50, 80, tag.bars_top - 4, 0.6}
+                                  : PlaneCover{-80, tag.bars_bottom + 4, 80, 50, 0.6};
+    const PlaneCover other_ends =
+        above ? PlaneCover{-80, tag.bars_bottom - 5, 80, tag.bars_bottom + 5, 0.2}
+              : PlaneCover{-80, tag.bars_top - 5, 80, tag.bars_top + 5, 0.2};
+    tag.covers = {side, other_ends};
+    const auto frame = fitted(tag, tag.corners());
+    REQUIRE(frame);
+    CHECK(frame->shown == std::array<bool, 4>{!above, true, above, true});
+    CHECK(farthest_apart(frame->corners, tag.corners()) < 1);
+    const Eigen::Matrix2d& hidden = frame->sides[above ? 0 : 2].covariance;
+    CHECK(std::min(hidden(0, 0), hidden(1, 1)) > 0.02);
+
+    tag.covers.push_back(above ? PlaneCover{-80, -50, 80, tag.bars_top + 5, 0.2}
+                               : PlaneCover{-80, tag.bars_bottom - 5, 80, 50, 0.2});
+    CHECK(!fitted(tag, tag.corners()));
   }
 }
 
