@@ -309,6 +309,20 @@ Correction correction_by(const SeenOutwards& seen, const CornerVector& moved_bef
           off.dot(solver.solve(off))};
 }
 
+// The bars' edges are as good as straight over a small part of a module only, and a hidden side may
+// be moved by whole ones: adds what one step of the fit then misses.
+void add_doubt_of_long_moves(const SymbolHypothesis& symbol, const CornerVector& moved,
+                             CornerCovariance& covariance) {
+  for (const std::size_t side : {1U, 3U}) {
+    if (symbol.frame.shown[side]) continue;
+    for (const std::size_t corner : {side, (side + 1) % 4}) {
+      const auto k = static_cast<Eigen::Index>(2 * corner);
+      const double missed = moved.segment<2>(k).squaredNorm() / (4 * symbol.profile.module_px);
+      covariance.block<2, 2>(k, k) += missed * missed * Eigen::Matrix2d::Identity();
+    }
+  }
+}
+
 // The corners by the frame, moved to where the bars have them as far as the two agree.
 PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& seen,
                             const StrokeExcesses& excesses) {
@@ -330,6 +344,7 @@ PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& 
     const auto k = static_cast<Eigen::Index>(2 * i);
     placed.corners[i] = {at[k] + found.moved[k], at[k + 1] + found.moved[k + 1]};
   }
+  add_doubt_of_long_moves(symbol, found.moved, placed.covariance);
   return placed;
 }
 
