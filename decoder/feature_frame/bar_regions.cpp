@@ -9,6 +9,7 @@
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include "decoder/feature_frame/tuning.hpp"
@@ -321,15 +322,35 @@ TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known
   return mask;
 }
 
-PixelPoint main_gradient(const TextureGrid& texture, const Quad& quad) {
+PixelPoint main_gradient(const GrayView& image, const Quad& quad) {
+  // Whole tiles around the quadrilateral, and one more of each row: a tile reaches a pixel beyond.
+  const auto tiles_around = [](const auto& places, int size) {
+    const auto tile_of = [&](double at) {
+      return static_cast<int>(std::clamp(at, 0.0, size - 1.0)) / kTile;
+    };
+    const auto [low, high] = std::ranges::minmax(places);
+    const int first = kTile * tile_of(low);
+    return std::pair(first, std::min(size, kTile * (tile_of(high) + 2)) - first);
+  };
+  const auto [left, width] =
+      tiles_around(quad | std::views::transform(&PixelPoint::x), image.width);
+  const auto [top, height] =
+      tiles_around(quad | std::views::transform(&PixelPoint::y), image.height);
+  GrayView part = image;
+  part.data = image.row(top) + left;
+  part.width = width;
+  part.height = height;
+  Quad there = quad;
+  for (PixelPoint& corner : there) {
+    corner = corner - PixelPoint{static_cast<double>(left), static_cast<double>(top)};
+  }
+  const TextureGrid texture = texture_of(part);
   double cos2 = 0, sin2 = 0;
   for (int row = 0; row < texture.rows; ++row) {
-    const auto [begin, end] = tiles_in_row(quad, row, texture.columns);
-    for (int column = begin; column < end; ++column) {
-      const std::size_t tile =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(texture.columns) +
-          static_cast<std::size_t>(column);
-      const Gradient gradient = gradient_of(texture.tiles[tile]);
+    const auto [begin, end] = tiles_in_row(there, row, texture.columns);
+    const auto tiles = texture.tiles.begin() + static_cast<std::ptrdiff_t>(row) * texture.columns;
+    for (const Texture& tile : std::ranges::subrange(tiles + begin, tiles + std::max(begin, end))) {
+      const Gradient gradient = gradient_of(tile);
       cos2 += gradient.cos2;
       sin2 += gradient.sin2;
     }

@@ -79,7 +79,7 @@ inline bool is_directed(const Gradient& gradient, int least_strength) {
 TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known = {});
 
 // Unit: the direction of most gradients of the tiles in a quadrilateral of the image.
-PixelPoint main_gradient(const TextureGrid& texture, const Quad& quad);
+PixelPoint main_gradient(const GrayView& image, const Quad& quad);
 
 // ---- Regions of parallel bars.
 

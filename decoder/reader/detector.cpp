@@ -19,10 +19,10 @@ using Source = TagHypothesis::Source;
 
 // Where the bars are in a frame of which a side may be something else's edge: their direction is
 // that of the texture inside.
-BarRegion bars_inside(const TextureGrid& texture, const Quad& quad, const SymbolLayout& layout) {
+BarRegion bars_inside(const GrayView& image, const Quad& quad, const SymbolLayout& layout) {
   BarRegion region;
   region.centre = centre_of(quad);
-  region.across = main_gradient(texture, quad);
+  region.across = main_gradient(image, quad);
   const auto extent = [&](PixelPoint direction) {
     const auto place = [&](PixelPoint corner) { return dot(corner, direction); };
     const auto [low, high] = std::ranges::minmax(quad | std::views::transform(place));
@@ -189,8 +189,7 @@ TagHypothesis Detector::judged_quickly(const GrayView& image, const Quad& rough,
     if (reading) {
       hypothesis.outcome = *std::move(reading);
     } else {
-      hypothesis.odd_bars =
-          bars_inside(picture_.pyramid().levels().back().texture, frame.corners, typical_);
+      hypothesis.odd_bars = bars_inside(picture_.image(), frame.corners, typical_);
       hypothesis.outcome = rejection_of(*std::move(symbol), {RejectionReason::side_hidden});
     }
     return hypothesis;
@@ -198,8 +197,7 @@ TagHypothesis Detector::judged_quickly(const GrayView& image, const Quad& rough,
   if (found_.to_be_looked_at() < kSearch.most_tries) {
     hypothesis.may_be_covered = symbol && is_symbol_like(*symbol);
     if (!hypothesis.may_be_covered)
-      hypothesis.odd_bars =
-          bars_inside(picture_.pyramid().levels().back().texture, frame.corners, typical_);
+      hypothesis.odd_bars = bars_inside(picture_.image(), frame.corners, typical_);
   }
   if (!symbol) {
     hypothesis.outcome = Rejection{RejectionReason::no_guards, frame.corners};
@@ -243,9 +241,9 @@ void Detector::look_at(const RefusedFrame& refused) {
   if (found_.is_read(frame.corners)) return;
   const GrayView seen = as_seen_by(found_[refused.hypothesis]);
   TagHypothesis& looked = judge_carefully(seen, frame, false);
-  if (looked.reading() == nullptr)
-    looked.odd_bars =
-        bars_inside(picture_.pyramid().levels().back().texture, frame.corners, typical_);
+  if (looked.reading() == nullptr) {
+    looked.odd_bars = bars_inside(picture_.image(), frame.corners, typical_);
+  }
 }
 
 TagHypothesis& Detector::judge_carefully(const GrayView& image, const RefinedFrame& frame,

@@ -85,7 +85,7 @@ bool is_inside(const SampledLight& image, PixelPoint at) {
   return at.x >= 0 && at.y >= 0 && at.x <= image.width() - 1 && at.y <= image.height() - 1;
 }
 
-// The same for lines whose modules grow wider as those of one frame do.
+// first_line() along the lines of one frame.
 std::optional<ReadLine> first_line_in(SampledLight& image, const LineFrame& frame,
                                       const BarRegion& region, Wanted wanted) {
   const double nominal_module = region.length / kModuleCount / frame.step;

@@ -69,20 +69,12 @@ void for_plate(const json& corners, GrayImage& image, const Change& change) {
   }
 }
 
-GrayImage without_left(const GrayView& image, int columns) {
-  GrayImage rest{image.width - columns, image.height, {}};
+GrayImage columns_of(const GrayView& image, int first, int end) {
+  GrayImage part{end - first, image.height, {}};
   for (int y = 0; y < image.height; ++y) {
-    rest.samples.insert(rest.samples.end(), image.row(y) + columns, image.row(y) + image.width);
+    part.samples.insert(part.samples.end(), image.row(y) + first, image.row(y) + end);
   }
-  return rest;
-}
-
-GrayImage first_columns(const GrayView& image, int columns) {
-  GrayImage rest{columns, image.height, {}};
-  for (int y = 0; y < image.height; ++y) {
-    rest.samples.insert(rest.samples.end(), image.row(y), image.row(y) + columns);
-  }
-  return rest;
+  return part;
 }
 
 }  // namespace
@@ -144,13 +136,14 @@ TEST_CASE("a tag of reversed colours, without its frame, or cut off is named in 
             "its white is ") != std::string::npos);
 
   const double left = std::min(corners[0][0].get<double>(), corners[3][0].get<double>());
-  const json side_cut_off = verified(without_left(photo.view(), static_cast<int>(left) + 14));
+  const double right = std::max(corners[1][0].get<double>(), corners[2][0].get<double>());
+  const int first = static_cast<int>(left) + 14;
+  const json side_cut_off = verified(columns_of(photo.view(), first, photo.width));
   CHECK(side_cut_off["findings"].empty());
   CHECK(side_cut_off["tags"][0]["status"] == "ok");
 
-  const GrayImage narrow = without_left(photo.view(), static_cast<int>(left) + 14);
-  const double right = std::max(corners[1][0].get<double>(), corners[2][0].get<double>());
-  const json at_edge = verified(first_columns(narrow.view(), static_cast<int>(right - left) - 28));
+  const json at_edge =
+      verified(columns_of(photo.view(), first, first + static_cast<int>(right - left) - 28));
   CAPTURE(at_edge.dump());
   REQUIRE(at_edge["tags"].size() == 1);
   CHECK(at_edge["tags"][0]["status"] == "cut_off");
