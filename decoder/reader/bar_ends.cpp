@@ -335,29 +335,6 @@ bool bars_end_near(const GrayView& image, const BarField& field) {
 
 namespace {
 
-// The frame's corners when the line of v = `v` in the layout, other than the upper (0) or lower (2)
-// `side`, lies where the bars end, and the other three sides are the frame's.
-Quad corners_with_side(const Quad& corners, std::size_t side, const BarField& field,
-                       const BarEnds& ends, double v) {
-  const FrameHomography image_from_field(field.corners, field.lens);
-  const PixelPoint left = image_from_field(0, ends.at_left);
-  const PixelPoint right = image_from_field(1, ends.at_right);
-  Quad shown = corners;
-  (side == 0 ? shown[0] : shown[3]) = left;
-  (side == 0 ? shown[1] : shown[2]) = right;
-  // `shown` spans v to 1 of the plate, or 0 to v.
-  const FrameHomography image_from_shown(shown, field.lens);
-  Quad completed = corners;
-  if (side == 0) {
-    completed[0] = image_from_shown(0, -v / (1 - v));
-    completed[1] = image_from_shown(1, -v / (1 - v));
-  } else {
-    completed[2] = image_from_shown(1, 1 / v);
-    completed[3] = image_from_shown(0, 1 / v);
-  }
-  return completed;
-}
-
 // By how much ends that were seen in a field lie off a height in a frame, pixels.
 double missed_px(const BarField& field, const BarEnds& ends, const Quad& frame, double v) {
   const FrameHomography seen(field.corners, field.lens);
@@ -417,6 +394,30 @@ bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, std::size_t 
 
 }  // namespace
 
+FrameByEnds frame_by_ends(const Quad& corners, std::size_t side, const BarField& field,
+                          const BarEnds& ends, const SymbolLayout& layout) {
+  const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
+  const FrameHomography image_from_field(field.corners, field.lens);
+  const PixelPoint left = image_from_field(0, ends.at_left);
+  const PixelPoint right = image_from_field(1, ends.at_right);
+  Quad shown = corners;
+  (side == 0 ? shown[0] : shown[3]) = left;
+  (side == 0 ? shown[1] : shown[2]) = right;
+  // `shown` spans v to 1 of the plate, or 0 to v.
+  const FrameHomography image_from_shown(shown, field.lens);
+  Quad completed = corners;
+  if (side == 0) {
+    completed[0] = image_from_shown(0, -v / (1 - v));
+    completed[1] = image_from_shown(1, -v / (1 - v));
+  } else {
+    completed[2] = image_from_shown(1, 1 / v);
+    completed[3] = image_from_shown(0, 1 / v);
+  }
+  const double seen_share = side == 0 ? 1 - v : v;
+  return {completed,
+          std::hypot(ends.sigma_px / seen_share, kBarEnds.layout * height_of(completed))};
+}
+
 EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
                               const SymbolLayout& layout) {
   const auto& [seen_in, upper, lower] = ends;
@@ -439,7 +440,7 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const
     const BarEnds& own = side == 0 ? *upper : *lower;
     const BarEnds& other = side == 0 ? *lower : *upper;
     const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
-    const Quad completed = corners_with_side(corners, side, seen_in, own, v);
+    const auto [completed, sigma] = frame_by_ends(corners, side, seen_in, own, layout);
     if (!is_convex(completed)) continue;
     const double miss =
         missed_px(seen_in, other, completed, layout.bars_top + layout.bars_bottom - v);
@@ -448,8 +449,6 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const
     if (shows_stroke(symbol, layout, side)) return {EndsVerdict::odd, corners, 0, 0};
     // Where both may be the case, neither is certain.
     if (found) return {EndsVerdict::odd, corners, 0, 0};
-    const double sigma =
-        std::hypot(own.sigma_px / (side == 0 ? 1 - v : v), kBarEnds.layout * height_of(completed));
     found = {EndsVerdict::hidden, completed, side, sigma};
   }
   if (found) return *found;

@@ -56,6 +56,15 @@ double ends_tolerance_px(const Quad& corners);
 // check.
 bool bars_end_near(const GrayView& image, const BarField& field);
 
+// A frame's corners when its upper (0) or lower (2) side lies where the bars' ends put it, and the
+// other three sides are those of `corners`. The field is the one that the ends were found in.
+struct FrameByEnds {
+  Quad corners{};
+  double sigma_px = 0;  // of that side's place at its ends
+};
+FrameByEnds frame_by_ends(const Quad& corners, std::size_t side, const BarField& field,
+                          const BarEnds& ends, const SymbolLayout& layout);
+
 // What the bars' ends show about a frame's upper and lower side.
 struct EndsVerdict {
   enum Kind {

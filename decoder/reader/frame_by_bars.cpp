@@ -82,15 +82,13 @@ void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnd
   framed.sigma_px[2] = framed.sigma_px[0];
 }
 
-// Adds the upper (0) or the lower (2) side where the bars show one of their ends.
-void add_side_by_end(const BarField& field, std::size_t side, const BarEnds& ends,
-                     const SymbolLayout& layout, FramedBars& framed) {
-  const FrameHomography map(field.corners, field.lens);
-  const double beyond = side == 0 ? -layout.bars_top : 1 - layout.bars_bottom;
-  const double begin = side == 0 ? 0 : 1;
-  framed.sides[side] = line_through(map(begin, ends.at(begin) + beyond),
-                                    map(1 - begin, ends.at(1 - begin) + beyond));
-  framed.sigma_px[side] = std::hypot(ends.sigma_px, kBarEnds.layout * height_of(field.corners));
+// Adds the upper (0) or the lower (2) side where the bars show one of their ends; the others are
+// those of `corners`.
+void add_side_by_end(const Quad& corners, const BarField& field, std::size_t side,
+                     const BarEnds& ends, const SymbolLayout& layout, FramedBars& framed) {
+  const auto [completed, sigma] = frame_by_ends(corners, side, field, ends, layout);
+  framed.sides[side] = line_through(completed[side], completed[side + 1]);
+  framed.sigma_px[side] = sigma;
 }
 
 // The same for bars that were followed line by line, perhaps not over their full height: their ends
@@ -226,9 +224,9 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
     const auto& sides = in_full.sides;
     rough = corners_of({*sides[0], *sides[1], *sides[2], *sides[3]}).value_or(expected);
   } else if (ends.upper) {
-    add_side_by_end(field, 0, *ends.upper, layout, in_full);
+    add_side_by_end(expected, field, 0, *ends.upper, layout, in_full);
   } else if (ends.lower) {
-    add_side_by_end(field, 2, *ends.lower, layout, in_full);
+    add_side_by_end(expected, field, 2, *ends.lower, layout, in_full);
   }
   const PyramidLevel level{half, 2};
   auto frame = fit_frame(image, level, to_level(level, rough), in_full,
