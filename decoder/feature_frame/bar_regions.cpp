@@ -514,6 +514,12 @@ BarRegion scaled(const BarRegion& region, double scale) {
           scale * region.height};
 }
 
+bool same_bars(const BarRegion& a, const BarRegion& b) {
+  return distance(a.centre, b.centre) < 0.15 * a.length &&
+         std::abs(dot(a.across, b.across)) > 0.97 && a.length < 1.25 * b.length &&
+         b.length < 1.25 * a.length;
+}
+
 bool runs_off(const GrayView& image, const BarRegion& region) {
   constexpr double kShort = 2 * kTile + 2;  // pixels by which a region may be too short
   const PixelPoint reach = (region.length / 2 + kShort) * region.across;

@@ -97,6 +97,9 @@ struct BarRegion {
 // The same region in an image of this many times the size (pixel centres shift by half of that).
 BarRegion scaled(const BarRegion& region, double scale);
 
+// Whether two regions are the same bars, as two levels or two frames show them.
+bool same_bars(const BarRegion& a, const BarRegion& b);
+
 // Whether the first or the last bar is so near the image's border that the symbol may continue
 // beyond it.
 bool runs_off(const GrayView& image, const BarRegion& region);

@@ -128,15 +128,15 @@ bool is_wanted(const SearchContext& search) {
   return when == Search::always || (when == Search::when_missing && missing);
 }
 
-// Whether a region shows enough bars to be followed without a frame.
-bool may_be_followed(const GrayView& image, const BarRegion& region) {
-  return has_bars(image, region, 2 * kBarLines.least_bars);
-}
-
-// Whether two regions are the same bars.
-bool overlap(const BarRegion& a, const BarRegion& b) {
-  return distance(a.centre, b.centre) < 0.25 * b.length && b.length > 0.75 * a.length &&
-         b.length < 1.33 * a.length;
+// Proposes to follow bars without a frame, if they show enough of them and none was read there.
+// Returns whether it did.
+bool follow(SearchContext& search, const BarRegion& region) {
+  if (search.found.has_reading_at(region.centre) ||
+      !has_bars(search.picture.image(), region, 2 * kBarLines.least_bars)) {
+    return false;
+  }
+  search.consider(region);
+  return true;
 }
 
 }  // namespace
@@ -194,35 +194,19 @@ void propose_pieces(SearchContext& search) {
 void propose_refused(SearchContext& search) {
   for (const std::size_t index : search.found.covered_frames())
     search.consider(RefusedFrame{index});
-  std::vector<BarRegion> proposed;
+  std::vector<BarRegion> followed;
   for (const BarRegion& region : search.found.odd_bars()) {
-    const auto same = [&](const BarRegion& other) {
-      return distance(other.centre, region.centre) < 0.02 * region.length &&
-             std::abs(dot(other.across, region.across)) > 0.999;
-    };
-    if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
-        !may_be_followed(search.picture.image(), region)) {
-      continue;
-    }
-    search.consider(region);
-    proposed.push_back(region);
+    const auto same = [&](const BarRegion& other) { return same_bars(other, region); };
+    if (std::ranges::none_of(followed, same) && follow(search, region)) followed.push_back(region);
   }
 }
 
 // Why: docs/decisions/0008-search-and-its-cost.md.
 void propose_bars(SearchContext& search) {
   if (search.found.has_read_any() && !search.found.has_met_covers()) return;
-  SearchedImage& picture = search.picture;
-  std::vector<BarRegion> proposed;
-  for (const BarRegion& region : picture.bars()) {
-    const auto same = [&](const BarRegion& other) { return overlap(other, region); };
-    if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
-        !may_be_followed(picture.image(), region)) {
-      continue;
-    }
-    search.consider(region);
-    proposed.push_back(region);
-    if (proposed.size() == kSearch.most_tries) break;
+  std::size_t followed = 0;
+  for (const BarRegion& region : search.picture.bars()) {
+    if (follow(search, region) && ++followed == kSearch.most_tries) break;
   }
 }
 

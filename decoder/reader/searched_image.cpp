@@ -49,17 +49,6 @@ Pyramid::Pyramid(const GrayView& image) {
 
 // ---- The picture.
 
-namespace {
-
-// Whether two regions are the same bars, seen at two levels.
-bool same_bars(const BarRegion& a, const BarRegion& b) {
-  return distance(a.centre, b.centre) < 0.15 * a.length &&
-         std::abs(dot(a.across, b.across)) > 0.97 && a.length < 1.25 * b.length &&
-         b.length < 1.25 * a.length;
-}
-
-}  // namespace
-
 const Pyramid& SearchedImage::pyramid() {
   if (!pyramid_) pyramid_.emplace(image());
   return *pyramid_;
