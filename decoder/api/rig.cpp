@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <set>
 
 #include <Eigen/LU>
@@ -53,8 +54,6 @@ detail::RigCamera camera_from(const RigCamera& given) {
   if (given.side) camera.side = side_from(*given.side);
   if (given.exposure) check_number("a camera's exposure", *given.exposure, 1e-9, 10);
   camera.exposure = given.exposure;
-  if (given.readout) check_number("a camera's readout", *given.readout, 0, 10);
-  camera.readout = given.readout;
   camera.calibration_sigma =
       given.sigma ? sigma_from(*given.sigma)
                   : detail::usual_calibration(detail::IntrinsicsSource::numbers, given.model.width);
@@ -88,7 +87,16 @@ void check_names(const RigDescription& description) {
   for (const RigRange& range : description.ranges) take(range.name);
 }
 
-detail::Rig rig_from(const RigDescription& description) {
+void add_readout(const Readout& readout, detail::Rig& rig) {
+  const auto camera = std::ranges::find(rig.cameras, readout.camera, &detail::RigCamera::name);
+  if (camera == rig.cameras.end()) {
+    throw_invalid("a readout is of camera " + readout.camera + ", which the rig does not have");
+  }
+  check_number("the readout of camera " + readout.camera, readout.seconds, 0, 10);
+  camera->readout = readout.seconds;
+}
+
+detail::Rig rig_from(const RigDescription& description, const std::vector<Readout>& readouts) {
   if (description.cameras.empty()) throw_invalid("the rig has no camera");
   check_names(description);
   check_number("the vehicle's height", description.vehicle_height, -kLargestVehicle,
@@ -100,6 +108,7 @@ detail::Rig rig_from(const RigDescription& description) {
   rig.name = description.name;
   rig.file = description.name;  // its name in messages
   for (const RigCamera& camera : description.cameras) rig.cameras.push_back(camera_from(camera));
+  for (const Readout& readout : readouts) add_readout(readout, rig);
   for (const RigRange& range : description.ranges) rig.ranges.push_back(range_from(range));
   rig.vehicle_height = description.vehicle_height;
   rig.height_sigma = description.height_sigma;
@@ -118,9 +127,19 @@ Mounting mounting(const Vector3& position, double yaw, double pitch, double roll
   return {detail::matrix_from<3>(pose.rotation), detail::vector_from(pose.translation)};
 }
 
-Rig::Rig(const RigDescription& description)
-    : data_(std::make_shared<const Data>(rig_from(description))) {}
+Rig::Rig(const RigDescription& description) : Rig(description, std::vector<Readout>{}) {}
+
+Rig::Rig(const RigDescription& description, const std::vector<Readout>& readouts)
+    : data_(std::make_shared<const Data>(rig_from(description, readouts))) {}
 
 const RigDescription& Rig::description() const { return data_->description; }
+
+std::vector<Readout> Rig::readouts() const {
+  std::vector<Readout> readouts;
+  for (const detail::RigCamera& camera : data_->rig.cameras) {
+    if (camera.readout) readouts.push_back({camera.name, *camera.readout});
+  }
+  return readouts;
+}
 
 }  // namespace tagsmith

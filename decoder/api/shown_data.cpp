@@ -59,7 +59,6 @@ RigCamera camera_from(const detail::RigCamera& camera) {
                               detail::vector_from(camera.vehicle_from_camera.translation)};
   if (camera.side) seen.side = side_from(*camera.side);
   seen.exposure = camera.exposure;
-  seen.readout = camera.readout;
   seen.sigma = sigma_from(camera.calibration_sigma);
   return seen;
 }

@@ -166,6 +166,92 @@ TEST_CASE("rigs that cannot be are refused with the reason") {
   }
 }
 
+TEST_CASE("a rig's rolling shutters are given and read beside its description") {
+  using tagsmith::Readout;
+  using tagsmith::Rig;
+  const RigDescription description = tagsmith::load_rig(kCorridor + "rig.yaml").description();
+  CHECK(Rig(description).readouts().empty());
+  const Rig rolling(description, {{"right", 0.03}});
+  REQUIRE(rolling.readouts().size() == 1);
+  CHECK(rolling.readouts()[0].camera == "right");
+  CHECK(rolling.readouts()[0].seconds == 0.03);
+  check_refused(
+      "no such camera",
+      [&] {
+        const Rig rig(description, {{"roof", 0.03}});
+      },
+      "camera roof");
+  check_refused(
+      "milliseconds",
+      [&] {
+        const Rig rig(description, {{"left", 30}});
+      },
+      "camera left is 30");
+}
+
+// docs/library.md promises that no struct changes its members before the next major version: a
+// program that was compiled with version 1.0.0 would read others.
+#if defined(__x86_64__) && defined(__GLIBCXX__) && !defined(_GLIBCXX_DEBUG)
+TEST_CASE("the structs of the interface have the sizes of version 1") {
+  struct Size {
+    const char* name;
+    std::size_t now, then;
+  };
+  const Size sizes[]{
+      {"PlateTemplate", sizeof(tagsmith::PlateTemplate), 112},
+      {"Rectangle", sizeof(tagsmith::Rectangle), 32},
+      {"TagDrawing", sizeof(tagsmith::TagDrawing), 128},
+      {"Error", sizeof(tagsmith::Error), 24},
+      {"Image", sizeof(tagsmith::Image), 64},
+      {"FileFinding", sizeof(tagsmith::FileFinding), 144},
+      {"VerifiedTag", sizeof(tagsmith::VerifiedTag), 224},
+      {"VerifiedFile", sizeof(tagsmith::VerifiedFile), 112},
+      {"VerifyOptions", sizeof(tagsmith::VerifyOptions), 48},
+      {"Point", sizeof(tagsmith::Point), 16},
+      {"ReflectanceReferences", sizeof(tagsmith::ReflectanceReferences), 32},
+      {"GradeParameter", sizeof(tagsmith::GradeParameter), 56},
+      {"Grade", sizeof(tagsmith::Grade), 72},
+      {"ImageView", sizeof(tagsmith::ImageView), 24},
+      {"CameraView", sizeof(tagsmith::CameraView), 56},
+      {"SeenTag", sizeof(tagsmith::SeenTag), 648},
+      {"Measurement", sizeof(tagsmith::Measurement), 144},
+      {"Attitude", sizeof(tagsmith::Attitude), 24},
+      {"Dropped", sizeof(tagsmith::Dropped), 96},
+      {"Unchecked", sizeof(tagsmith::Unchecked), 72},
+      {"Fix", sizeof(tagsmith::Fix), 680},
+      {"LocalizerOptions", sizeof(tagsmith::LocalizerOptions), 1},
+      {"Localizer", sizeof(tagsmith::Localizer), 8},
+      {"PlanOptions", sizeof(tagsmith::PlanOptions), 88},
+      {"WallShares", sizeof(tagsmith::WallShares), 24},
+      {"Stretch", sizeof(tagsmith::Stretch), 16},
+      {"SigmaRange", sizeof(tagsmith::SigmaRange), 24},
+      {"CriticalTag", sizeof(tagsmith::CriticalTag), 56},
+      {"PlanSummary", sizeof(tagsmith::PlanSummary), 280},
+      {"ReadOptions", sizeof(tagsmith::ReadOptions), 184},
+      {"Tag", sizeof(tagsmith::Tag), 736},
+      {"FramelessTag", sizeof(tagsmith::FramelessTag), 208},
+      {"Refusal", sizeof(tagsmith::Refusal), 128},
+      {"ReadResult", sizeof(tagsmith::ReadResult), 72},
+      {"CameraModel", sizeof(tagsmith::CameraModel), 112},
+      {"Mounting", sizeof(tagsmith::Mounting), 96},
+      {"CalibrationSigma", sizeof(tagsmith::CalibrationSigma), 40},
+      {"RigCamera", sizeof(tagsmith::RigCamera), 312},
+      {"Readout", sizeof(tagsmith::Readout), 40},
+      {"RigRange", sizeof(tagsmith::RigRange), 64},
+      {"Envelope", sizeof(tagsmith::Envelope), 40},
+      {"RigDescription", sizeof(tagsmith::RigDescription), 160},
+      {"Rig", sizeof(tagsmith::Rig), 16},
+      {"SurveyTag", sizeof(tagsmith::SurveyTag), 144},
+      {"CenterlinePart", sizeof(tagsmith::CenterlinePart), 24},
+      {"PositionCode", sizeof(tagsmith::PositionCode), 64},
+      {"TagPlace", sizeof(tagsmith::TagPlace), 112},
+      {"SurveyDescription", sizeof(tagsmith::SurveyDescription), 344},
+      {"Survey", sizeof(tagsmith::Survey), 16},
+  };
+  for (const auto& [name, now, then] : sizes) CHECK_MESSAGE(now == then, name);
+}
+#endif
+
 TEST_CASE("a file is validated as what its first key says that it is") {
   for (const char* file : {"surveys/corridor/survey.yaml", "surveys/corridor/rig.yaml",
                            "templates/tag-400x300.yaml"}) {

@@ -60,7 +60,12 @@ struct RigCamera {
   std::optional<Side> side{};               // the wall it looks at
   std::optional<double> exposure{};         // seconds
   std::optional<CalibrationSigma> sigma{};  // absent = usual values of a careful hand calibration
-  std::optional<double> readout{};  // of a rolling shutter, from the first row to the last, seconds
+};
+
+// How long a camera with a rolling shutter takes to read its rows one after another.
+struct Readout {
+  std::string camera;
+  double seconds = 0;  // from the first row to the last
 };
 
 // A sensor of the distance from O's height to a wall, across the drive.
@@ -100,9 +105,16 @@ class TAGSMITH_EXPORT Rig {
   // unique, and sizes, focal lengths or sigmas that are not above zero.
   explicit Rig(const RigDescription& description);
 
+  // The same where cameras have rolling shutters. Fails also on a readout of no camera, below zero
+  // or above ten seconds.
+  Rig(const RigDescription& description, const std::vector<Readout>& readouts);
+
   const RigDescription& description() const;
   const std::string& name() const { return description().name; }
   const std::vector<RigCamera>& cameras() const { return description().cameras; }
+
+  // Of those cameras that state one.
+  std::vector<Readout> readouts() const;
 
   // Shared by the parts of the library; of no use to others.
   struct Data;
