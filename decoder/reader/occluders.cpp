@@ -52,17 +52,24 @@ Loop loop_at(const GrayView& image, const FrameHomography& image_from_frame, dou
 double quantile_of(std::vector<double> values, double share) { return quantile(values, share); }
 
 // The level that a loop should show: from the places within a side's length, the upper or lower
-// part of the middle, so that covers over up to half of them do not count.
+// part of the middle, so that covers over up to half of them do not count. Every fourth of the
+// places is used: on the way from one of them to the next fourth, one leaves and one is new.
 void expect(Loop& loop, double share) {
-  constexpr int kReach = kPerSide / 2, kStride = 4;  // places; of which every fourth
+  constexpr int kReach = kPerSide / 2, kStride = 4;
   const int size = static_cast<int>(loop.level.size());
   const auto level = [&](int i) { return loop.level[static_cast<std::size_t>((i + size) % size)]; };
   loop.expected.resize(loop.level.size());
-  std::vector<double> near;
-  for (int i = 0; i < size; ++i) {
-    near.clear();
-    for (int k = -kReach; k <= kReach; k += kStride) near.push_back(level(i + k));
-    loop.expected[static_cast<std::size_t>(i)] = quantile(near, share);
+  for (int first = 0; first < kStride; ++first) {
+    std::vector<double> near;
+    for (int k = -kReach; k <= kReach; k += kStride) near.push_back(level(first + k));
+    std::ranges::sort(near);
+    const double place = share * static_cast<double>(near.size() - 1);
+    for (int i = first; i < size; i += kStride) {
+      loop.expected[static_cast<std::size_t>(i)] = near[static_cast<std::size_t>(place + 1e-9)];
+      near.erase(std::ranges::lower_bound(near, level(i - kReach)));
+      const double next = level(i + kReach + kStride);
+      near.insert(std::ranges::upper_bound(near, next), next);
+    }
   }
 }
 

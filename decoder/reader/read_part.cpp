@@ -39,7 +39,7 @@ enum class RowsTaken { agreeing, all };
 
 SymbolProfile profile_of(const RobustProfile& rows, RowsTaken taken) {
   return taken == RowsTaken::agreeing ? rows.of_agreeing_rows()
-                                      : rows.of_all_rows(AddedLight::even);
+                                      : rows.of_all_rows(rows.rows_in_sight(), AddedLight::even);
 }
 
 // A part while it is being read. The frame's corner 0 is treated as P; the symbol runs along side
@@ -338,7 +338,8 @@ std::optional<CoveredSymbol> best_in_sight(const GrayView& image, const RefinedF
   for (const std::size_t first : possible_first_corners(image, frame.corners)) {
     for (const SymbolLayout& layout : options.layouts) {
       const RefinedFrame turned = turned_to(frame, first);
-      SymbolProfile profile = RobustProfile(image, turned, layout).of_all_rows(added);
+      const RobustProfile rows(image, turned, layout);
+      SymbolProfile profile = rows.of_all_rows(rows.rows_in_sight(), added);
       auto part = decode(profile.bins, profile.blur, options);
       if (!part) continue;
       const Decoding& decoding = part->decoding;

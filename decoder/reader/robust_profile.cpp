@@ -466,14 +466,6 @@ void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {
   }
 }
 
-// The fine rows of a symbol without what occluders hide.
-SymbolRows rows_in_sight(const GrayView& image, const RefinedFrame& frame,
-                         const SymbolLayout& layout) {
-  SymbolRows rows(image, frame.corners, frame.lens, layout, RowHeight::fine);
-  hide_behind(find_occluders(image, frame, layout), rows);
-  return rows;
-}
-
 ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed) {
   ScanProfile profile;
   for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
@@ -573,12 +565,17 @@ SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part, const SymbolProf
   return finished(profile_of_even_rows(rows_, dark_, range, *whole.pixel_variance), rows_);
 }
 
-SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
-  SymbolRows rows = rows_in_sight(image_, frame_, rows_.layout);
+SymbolRows RobustProfile::rows_in_sight() const {
+  SymbolRows rows(image_, frame_.corners, frame_.lens, rows_.layout, RowHeight::fine);
+  hide_behind(find_occluders(image_, frame_, rows_.layout), rows);
   if (white_) evened(frame_, rows);
+  return rows;
+}
+
+SymbolProfile RobustProfile::of_all_rows(SymbolRows in_sight, AddedLight added) const {
   // A part that a highlight bleaches is plain too: there its rows' own light decides.
-  if (added == AddedLight::even) leave_out_plain(rows);
-  return finished(profile_of(rows, settle(rows, added).agreed), rows);
+  if (added == AddedLight::even) leave_out_plain(in_sight);
+  return finished(profile_of(in_sight, settle(in_sight, added).agreed), in_sight);
 }
 
 }  // namespace tagsmith::detail

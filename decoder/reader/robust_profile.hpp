@@ -65,12 +65,15 @@ class RobustProfile {
   // these.
   SymbolProfile of_agreeing_rows(HeightShare part, const SymbolProfile& whole) const;
 
-  // Where they do not. The darkness common to the rows is determined together with each row's own
-  // local white and contrast (about ten modules long), so that glare, shadows and thin dust only
-  // lessen a row's weight; stretches of rows that do not follow the others, and occluders across
-  // the tag (find_occluders), do not count at all. Places that no row shows get a variance so large
-  // that they carry no information.
-  SymbolProfile of_all_rows(AddedLight added) const;
+  // The fine rows of the symbol, without what occluders across the tag (find_occluders) hide.
+  SymbolRows rows_in_sight() const;
+
+  // Where rows do not agree, from rows_in_sight. The darkness common to the rows is determined
+  // together with each row's own local white and contrast (about ten modules long), so that glare,
+  // shadows and thin dust only lessen a row's weight; stretches of rows that do not follow the
+  // others do not count at all. Places that no row shows get a variance so large that they carry no
+  // information.
+  SymbolProfile of_all_rows(SymbolRows in_sight, AddedLight added) const;
 
   const SymbolLayout& layout() const { return rows_.layout; }
 

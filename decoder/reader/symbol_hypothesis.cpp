@@ -27,7 +27,7 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
   std::optional<SymbolHypothesis> best;
   const auto consider = [&](std::size_t first_corner, const SymbolLayout& layout) {
     auto rows = rows_from(first_corner, layout);
-    SymbolProfile profile = profile_of(*rows);
+    SymbolProfile profile = profile_of(rows);
     ImagingModel start;
     start.blur = std::clamp(profile.blur, 0.1, 3.0);
     start.pixel = profile.pixel;
@@ -97,6 +97,12 @@ std::shared_ptr<const RobustProfile> SymbolLook::seen(std::size_t first_corner,
   return seen_.back().rows;
 }
 
+const SymbolRows& SymbolLook::in_sight(const std::shared_ptr<const RobustProfile>& of) {
+  const auto made = std::ranges::find(in_sight_, of, &InSight::of);
+  if (made != in_sight_.end()) return made->rows;
+  return in_sight_.emplace_back(of, of->rows_in_sight()).rows;
+}
+
 bool is_beyond_doubt(const Decoding& decoding) {
   return 1 - decoding.confidence < kJudge.beyond_doubt;
 }
@@ -130,13 +136,13 @@ std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& opt
 }
 
 std::optional<SymbolHypothesis> SymbolLook::by_agreeing_rows(const ReadOptions& options) {
-  return in_best_light(options, [](const RobustProfile& rows) { return rows.of_agreeing_rows(); });
+  return in_best_light(options, [](const auto& rows) { return rows->of_agreeing_rows(); });
 }
 
 std::optional<SymbolHypothesis> SymbolLook::by_all_rows(const ReadOptions& options,
                                                         AddedLight added) {
   return in_best_light(options,
-                       [added](const RobustProfile& rows) { return rows.of_all_rows(added); });
+                       [&](const auto& rows) { return rows->of_all_rows(in_sight(rows), added); });
 }
 
 std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,

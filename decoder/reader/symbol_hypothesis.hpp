@@ -58,8 +58,14 @@ class SymbolLook {
     std::shared_ptr<const RobustProfile> rows;
   };
 
+  struct InSight {
+    std::shared_ptr<const RobustProfile> of;
+    SymbolRows rows;
+  };
+
   std::shared_ptr<const RobustProfile> seen(std::size_t first_corner, const SymbolLayout& layout,
                                             bool evened);
+  const SymbolRows& in_sight(const std::shared_ptr<const RobustProfile>& of);
 
   // The best explained symbol by the profiles that `profile_of` takes of the rows, with and without
   // evened light; without, where that leaves no doubt.
@@ -70,6 +76,7 @@ class SymbolLook {
   GrayView image_;
   const RefinedFrame& frame_;
   std::vector<Seen> seen_;
+  std::vector<InSight> in_sight_;
   std::optional<bool> lies_in_shadow_;
 };
 
