@@ -82,6 +82,7 @@ std::optional<PartDecoding> decode(const ScanProfile& profile, double blur,
 struct SeenModule {
   double at = 0;  // in modules of the profile
   double variance = 0;
+  double bend = 0;  // of the bars, standard deviations of what the frame's sides may miss of it
 };
 
 // Where the bars of a profile that runs from side 3 on put the far side of the frame. It is hardly
@@ -93,11 +94,12 @@ SeenModule seen_far_side(const ScanProfile& from_side, const Decoding& decoding,
     const SeenPlaces seen =
         seen_places(profile, decoding.digits, decoding.fit.image, kPart.bend_sigma);
     const Eigen::RowVector3d by = SeenPlaces::by_displacement(sought);
-    return SeenModule{seen.place_of(sought), by * seen.covariance * by.transpose()};
+    return SeenModule{seen.place_of(sought), by * seen.covariance * by.transpose(),
+                      seen.displacement[2] / kPart.bend_sigma};
   };
   if (!decoding.upside_down) return seen_in(from_side, kModuleCount + quiet);
   const SeenModule seen = seen_in(turned(from_side), -quiet);
-  return {kModuleCount - seen.at, seen.variance};
+  return {kModuleCount - seen.at, seen.variance, seen.bend};
 }
 
 // The profile without the places of digits that are not certain: something may lie on them.
@@ -115,6 +117,7 @@ struct FarSide {
   PixelPoint upper, lower;            // on it
   double sigma_px = 0;                // of each, along the symbol
   double at_upper = 0, at_lower = 0;  // heights of these, shares of the frame's
+  double contradiction = 1;           // chi-square of the bars' bend, at least 1
 };
 
 FarSide far_side_of(const Part& part) {
@@ -130,6 +133,7 @@ FarSide far_side_of(const Part& part) {
     const PixelPoint at = map(layout.width_share(seen.at), v);
     const double module_px = distance(at, map(layout.width_share(seen.at + 1), v));
     side.sigma_px = std::max(side.sigma_px, module_px * std::sqrt(seen.variance));
+    side.contradiction = std::max(side.contradiction, seen.bend * seen.bend);
     return at;
   };
   side.upper = place({0, 0.5}, side.at_upper);
@@ -293,7 +297,8 @@ PartReading reading_of(const GrayView& image, const Part& part) {
   for (std::size_t i = 0; i < 4; ++i) {
     reading.corner_in_sight[i] = in_picture(image, reading.corners[i]);
   }
-  reading.corner_covariance = covariance_by_frame(image, symbol);
+  // A lens that is not as stated bends the sides, too, and the bars show it.
+  reading.corner_covariance = far.contradiction * covariance_by_frame(image, symbol);
   reading.candidates = part.decoding.candidates;
   reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);

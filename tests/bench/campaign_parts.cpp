@@ -76,7 +76,7 @@ Sums read_half(std::uint64_t number) {
   const GrayView view = picture.image.view();
   const Crop crop = random_crop(picture.corners, view.width, random);
   const GrayView half = cropped(view, crop);
-  const FrameCorners corners = moved(picture.corners, -crop.first);
+  const FrameCorners corners = moved(picture.corners, {static_cast<double>(-crop.first), 0});
   const double share = share_in_sight(corners, half.width, half.height);
   options.code_book.front() = picture.code;
   const bool keeps_left = corners[0].x >= 0 && corners[0].x < half.width;

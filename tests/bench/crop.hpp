@@ -58,14 +58,35 @@ inline Crop side_crop(const FrameCorners& corners, int width, std::mt19937_64& r
   return crop_at(keeps_left ? 1 - inside : inside, keeps_left, corners, width);
 }
 
+// Rows of a picture.
+struct RowCrop {
+  int first = 0;
+  int height = 0;
+};
+
+// Cut at a share of the height of an upright frame's inside, so that what is above stays, or what
+// is below.
+inline RowCrop row_crop_at(double v, bool keeps_above, const FrameCorners& corners, int height) {
+  const double middle = homography_to(corners)(0.5, v).y;
+  const bool is_before = (corners[0].y < corners[3].y) == keeps_above;
+  const int cut = std::clamp(static_cast<int>(middle), 1, height - 2);
+  return is_before ? RowCrop{0, cut} : RowCrop{cut, height - cut};
+}
+
+inline GrayView cropped(GrayView image, const RowCrop& crop) {
+  image.data = image.row(crop.first);
+  image.height = crop.height;
+  return image;
+}
+
 inline GrayView cropped(GrayView image, const Crop& crop) {
   image.data += crop.first;
   image.width = crop.width;
   return image;
 }
 
-inline FrameCorners moved(FrameCorners corners, double by) {
-  for (PixelPoint& corner : corners) corner.x += by;
+inline FrameCorners moved(FrameCorners corners, PixelPoint by) {
+  for (PixelPoint& corner : corners) corner = corner + by;
   return corners;
 }
 

@@ -4,10 +4,10 @@
 //
 // With folders of photos that have a truth.json: the tags in sight, something in front of them or
 // not, those that the border cuts, and each whole one with the photo cropped across its bars at a
-// drawn place or, of upright tags, beside its bars, or with a post painted over what is cut off.
-// The book holds the folder's codes. `drive`: pictures simulated on the center lines of the shipped
-// surveys, their plates and cameras taken for exact; what of the line has a position with and
-// without parts of tags, and how true the positions' covariances are.
+// drawn place or, of upright tags, beside its bars or along its length, or with a post painted over
+// what is cut off. The book holds the folder's codes. `drive`: pictures simulated on the center
+// lines of the shipped surveys, their plates and cameras taken for exact; what of the line has a
+// position with and without parts of tags, and how true the positions' covariances are.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -93,29 +94,33 @@ void count_plate(const ReadResult& result, const Digits& code, const FrameCorner
 void print(const Table& table) {
   fmt::print(
       "| bars in sight | tags | read whole | identified | several candidates | wrong | "
-      "corner error, median | chi-square / 8, mean |\n|---|---|---|---|---|---|---|---|\n");
+      "corner error, median | chi-square / 8, mean | greatest "
+      "|\n|---|---|---|---|---|---|---|---|---|\n");
   for (std::size_t i = 0; i < table.size(); ++i) {
     const Row& row = table[i];
     if (row.tags == 0) continue;
-    double mean = 0;
-    for (const double value : row.chi_squares)
+    double mean = 0, greatest = 0;
+    for (const double value : row.chi_squares) {
       mean += value / static_cast<double>(row.chi_squares.size());
-    fmt::print("| {} to {} % | {} | {} | {} | {} | {} | {:.3f} px | {:.2f} |\n", 10 * i,
+      greatest = std::max(greatest, value);
+    }
+    fmt::print("| {} to {} % | {} | {} | {} | {} | {} | {:.3f} px | {:.2f} | {:.1f} |\n", 10 * i,
                std::min<std::size_t>(100, 10 * i + 10), row.tags, row.whole, row.identified,
-               row.candidates, row.wrong, bench::median(row.errors), mean);
+               row.candidates, row.wrong, bench::median(row.errors), mean, greatest);
   }
 }
 
-// The camera of a part of a photo that begins at a column.
-Camera camera_of(const json& item, const GrayView& part, int first) {
+// The camera of a part of a photo that begins at a pixel.
+Camera camera_of(const json& item, const GrayView& part, PixelPoint first) {
   const json& truth = item.at("camera");
   Camera camera;
   camera.width = part.width;
   camera.height = part.height;
   camera.fx = truth.at("fx").get<double>();
   camera.fy = truth.at("fy").get<double>();
-  camera.cx = truth.at("cx").get<double>() - first;
-  camera.cy = truth.at("cy").get<double>();
+  camera.cx = truth.at("cx").get<double>() - first.x;
+  camera.cy = truth.at("cy").get<double>() - first.y;
+  camera.distortion = {truth.at("k1").get<double>(), truth.at("k2").get<double>()};
   return camera;
 }
 
@@ -165,8 +170,8 @@ bool read_folder(const fs::path& folder, bool verbose) {
   ReadOptions options;
   options.code_book = bench::codes_of(*truth);
   options.check = parse_check_digit(truth->at("check").get<std::string>());
-  Table whole, as_they_are, cut, sides, posts;
-  std::mt19937_64 random(1), random_side(1);
+  Table whole, as_they_are, cut, sides, heights, posts;
+  std::mt19937_64 random(1), random_side(1), random_height(1);
   for (const auto& item : truth->at("images")) {
     const std::string file = item.at("file").get<std::string>();
     const Result<GrayImage> image = load_gray_image(folder / file);
@@ -175,7 +180,7 @@ bool read_folder(const fs::path& folder, bool verbose) {
       return false;
     }
     const GrayView view = image->view();
-    options.camera = camera_of(item, view, 0);
+    options.camera = camera_of(item, view, {});
     const ReadResult result = read_tags(view, options);
     for (const auto& plate : item.at("plates")) {
       if (plate.at("kind") != "upca" ||
@@ -190,23 +195,33 @@ bool read_folder(const fs::path& folder, bool verbose) {
       }
       count_plate(result, code, corners, plate.value("fraction_visible", 1.0), file, verbose,
                   whole);
-      const auto count_cropped = [&](const bench::Crop& crop, Table& table) {
-        const GrayView part = bench::cropped(view, crop);
-        options.camera = camera_of(item, part, crop.first);
-        const FrameCorners there = bench::moved(corners, -crop.first);
-        const double in_sight = bench::share_in_sight(there, part.width, part.height);
-        count_plate(read_tags(part, options), code, there, in_sight,
-                    file + fmt::format(" columns {} to {}", crop.first, crop.first + crop.width),
-                    verbose, table);
+      const auto count_part = [&](const GrayView& part, PixelPoint first, const std::string& which,
+                                  std::optional<double> left, Table& table) {
+        options.camera = camera_of(item, part, first);
+        const FrameCorners there = bench::moved(corners, -1 * first);
+        const double in_sight =
+            left ? *left : bench::share_in_sight(there, part.width, part.height);
+        count_plate(read_tags(part, options), code, there, in_sight, file + which, verbose, table);
         return in_sight;
       };
+      const auto count_columns = [&](const bench::Crop& crop, Table& table) {
+        return count_part(bench::cropped(view, crop), {static_cast<double>(crop.first), 0},
+                          fmt::format(" columns {} to {}", crop.first, crop.first + crop.width),
+                          std::nullopt, table);
+      };
       const bench::Crop crop = bench::random_crop(corners, view.width, random);
-      const double in_sight = count_cropped(crop, cut);
+      const double in_sight = count_columns(crop, cut);
       if (is_upright(corners)) {
-        count_cropped(bench::side_crop(corners, view.width, random_side), sides);
+        count_columns(bench::side_crop(corners, view.width, random_side), sides);
+        const double kept = std::uniform_real_distribution(0.4, 1.0)(random_height);
+        const bool above = random_height() % 2 == 0;
+        const auto rows = bench::row_crop_at(above ? kept : 1 - kept, above, corners, view.height);
+        count_part(bench::cropped(view, rows), {0, static_cast<double>(rows.first)},
+                   fmt::format(" rows {} to {}", rows.first, rows.first + rows.height), kept,
+                   heights);
       }
       const GrayImage behind = with_post(view, corners, crop, random);
-      options.camera = camera_of(item, view, 0);
+      options.camera = camera_of(item, view, {});
       count_plate(read_tags(behind.view(), options), code, corners, in_sight,
                   file + " behind a post", verbose, posts);
     }
@@ -221,6 +236,9 @@ bool read_folder(const fs::path& folder, bool verbose) {
   print(cut);
   fmt::print("\n{}: cropped beside the bars\n\n", folder.string());
   print(sides);
+  fmt::print("\n{}: cropped along the bars' height, by the share of it that is left\n\n",
+             folder.string());
+  print(heights);
   fmt::print("\n{}: behind a post\n\n", folder.string());
   print(posts);
   return true;
