@@ -423,11 +423,11 @@ std::array<double, kDigitCount> ModuleNormalEquations::odds_of_corrupted_digits(
   for (std::size_t position = 0; position < kCharacterPlaces; ++position) {
     const std::size_t base = first_feature(position);
     DigitModules& digit = digits[position];
-    for (std::size_t i = 0; i < kModulesPerDigit; ++i) {
-      const std::size_t a = base + 2 * i;
+    for (Eigen::Index i = 0; i < kModulesPerDigit; ++i) {
+      const std::size_t a = base + 2 * static_cast<std::size_t>(i);
       digit.residuals[i] = static_cast<double>(residuals[a]);
-      for (std::size_t j = i; j < kModulesPerDigit; ++j) {
-        const std::size_t b = base + 2 * j;
+      for (Eigen::Index j = i; j < kModulesPerDigit; ++j) {
+        const std::size_t b = base + 2 * static_cast<std::size_t>(j);
         const double shared =
             static_cast<double>(gram(a, b)) - static_cast<double>(pull_[a].dot(pull_[b]));
         digit.products(i, j) = digit.products(j, i) = shared;
