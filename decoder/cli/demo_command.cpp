@@ -140,7 +140,7 @@ bool show(const Demo& demo, const std::string& step, const Verified& verified) {
   }
   const std::vector<std::string> missing = missing_tags(demo.survey, verified.merged);
   if (!missing.empty()) {
-    to_stdout("{:<10} not seen in them: {}\n", "", fmt::join(missing, " "));
+    to_stdout("{:<10} not ok in any: {}\n", "", fmt::join(missing, " "));
   }
   return verified.merged.files_with_findings == 0 && verified.unreadable.empty();
 }

@@ -271,7 +271,7 @@ void print_summary(const FixSummary& summary, const PublishedErrors& published) 
         "{:.4f} m, {:.4f} m\n",
         summary.mean_error->plane, summary.mean_error->height, summary.error95->plane,
         summary.error95->height, summary.max_error->plane, summary.max_error->height);
-    to_stdout("Xu et al. 2017, {}: mean error {:.3f} m in the plane, {:.3f} m in z",
+    to_stdout("for comparison, Xu et al. 2017, {}: mean error {:.3f} m in the plane, {:.3f} m in z",
               published.experiment, published.mean_plane, published.mean_height);
   }
   to_stdout("\n");

@@ -471,8 +471,8 @@ Result<void> LedgerWriter::flush() {
 
 void LedgerWriter::print_tally() const {
   if (path_.empty()) return;
-  to_stderr("{}: {} photos added, {} replaced, {} known\n", path_, tally_.added, tally_.replaced,
-            tally_.known);
+  to_stderr("{}: {} added, {} replaced, {} known\n", path_, counted(tally_.added, "photo"),
+            tally_.replaced, tally_.known);
   if (tally_.undated > 0) {
     to_stderr("{}: {} of these say no date (EXIF, or `time` of the run): they are in no trend\n",
               path_, tally_.undated);

@@ -185,7 +185,7 @@ void print_in_words(const VerifiedFile& file) {
   }
 }
 
-// The counts, and what was not seen or not checked.
+// The counts, what no file shows as it should be, and what was not checked.
 void print_in_words(const Survey& survey, const VerifyMerge& merged) {
   const auto count = [&](TagStatus status) {
     return merged.by_status[static_cast<std::size_t>(status)];
@@ -207,7 +207,7 @@ void print_in_words(const Survey& survey, const VerifyMerge& merged) {
   if (missing.empty()) {
     to_stdout("every tag of the survey was seen\n");
   } else {
-    to_stdout("not seen: {}\n", fmt::join(missing, " "));
+    to_stdout("not ok in any file: {}\n", fmt::join(missing, " "));
   }
   for (const std::string& words : unchecked_words(completeness_of(survey, merged), merged)) {
     to_stdout("{}\n", words);

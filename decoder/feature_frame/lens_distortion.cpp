@@ -50,9 +50,6 @@ std::optional<PixelPoint> LensDistortion::bent(PixelPoint point) const {
   return point;
 }
 
-namespace {
-
-// The corners' points of the lens's plane; nothing where it has none for one of them.
 std::optional<Quad> straightened(const LensDistortion& lens, const Quad& corners) {
   Quad straight{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -62,6 +59,8 @@ std::optional<Quad> straightened(const LensDistortion& lens, const Quad& corners
   }
   return straight;
 }
+
+namespace {
 
 // A place of a side: -1 at its begin, 1 at its end; and how far the side bows there, as a share of
 // 1 - s^2.

@@ -47,6 +47,9 @@ class LensDistortion {
   std::variant<std::monostate, Division, Camera> lens_;
 };
 
+// The corners' points of the lens's plane; nothing where it has none for one of them.
+std::optional<Quad> straightened(const LensDistortion& lens, const Quad& corners);
+
 // How the lens bends the sides of a quadrilateral (clockwise in the image) whose corners have these
 // pixels, to a thousandth of their bow; zero where it has no ray for one.
 SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners);

@@ -97,9 +97,10 @@ std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
 }
 
 std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& corners,
-                                          const FrameShape& shape, bool was_sharpened) {
+                                          const FrameShape& shape, const LensDistortion& lens,
+                                          bool was_sharpened) {
   const auto frame =
-      refine_shown_sides(image, corners, {true, false, true, true}, 0, {}, shape, was_sharpened);
+      refine_shown_sides(image, corners, {true, false, true, true}, 0, lens, shape, was_sharpened);
   if (!frame || !frame->shown[0] || !frame->shown[2] || !frame->shown[3]) return std::nullopt;
   return *frame;
 }

@@ -6,6 +6,7 @@
 
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
@@ -30,15 +31,15 @@ struct PictureBeside {
 std::optional<PictureBeside> picture_beside(const GrayView& image, const Quad& outline);
 
 // The whole frame, of such a shape, of which a cut outline (pixels of the picture, side 1 on the
-// border) shows the sides 0, 2 and 3, as a camera without distortion sees it: corners 1 and 2 are
-// placed so that the sides are those of a rectangle of these proportions. Nothing where no
-// rectangle looks like this.
+// border) shows the sides 0, 2 and 3, as a camera sees it: corners 1 and 2 are placed so that the
+// sides are those of a rectangle of these proportions. Nothing where no rectangle looks like this.
 std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
                                        const Camera& camera);
 
 // Fits the sides 0, 2 and 3 of a frame whose side 1 is out of the picture; side 1 stays. Nothing
 // where one of the three is not visible.
 std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& corners,
-                                          const FrameShape& shape, bool was_sharpened = false);
+                                          const FrameShape& shape, const LensDistortion& lens,
+                                          bool was_sharpened = false);
 
 }  // namespace tagsmith::detail

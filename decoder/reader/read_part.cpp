@@ -121,7 +121,7 @@ struct FarSide {
 };
 
 FarSide far_side_of(const Part& part) {
-  const FrameHomography map(part.frame.corners, {});
+  const FrameHomography map(part.frame.corners, part.frame.lens);
   const SymbolLayout& layout = part.layout;
   const Decoding& decoding = part.decoding.decoding;
   FarSide side;
@@ -141,10 +141,21 @@ FarSide far_side_of(const Part& part) {
   return side;
 }
 
-// A frame with its side 1 along a line.
-Quad with_far_side(const Quad& quad, const FarSide& side) {
-  const SideLine far = line_through(side.upper, side.lower);
-  return corners_of({side_of(quad, 0), far, side_of(quad, 2), side_of(quad, 3)}).value_or(quad);
+// A frame with its side 1 along a line, where the lens bends nothing.
+std::optional<Quad> with_far_side(const Quad& quad, const FarSide& side,
+                                  const LensDistortion& lens) {
+  const auto flat = straightened(lens, quad);
+  const auto upper = lens.straightened(side.upper), lower = lens.straightened(side.lower);
+  if (!flat || !upper || !lower) return std::nullopt;
+  auto whole = corners_of(
+      {side_of(*flat, 0), line_through(*upper, *lower), side_of(*flat, 2), side_of(*flat, 3)});
+  if (!whole) return std::nullopt;
+  for (PixelPoint& corner : *whole) {
+    const auto pixel = lens.bent(corner);
+    if (!pixel) return std::nullopt;
+    corner = *pixel;
+  }
+  return whole;
 }
 
 // What the bars say of how well side 1 is known at its begin and end, from two places on it.
@@ -159,9 +170,10 @@ Eigen::Matrix2d covariance_of(const FarSide& side) {
 
 // The frame fitted anew with its far side where the bars put it, and the symbol read anew in it.
 std::optional<Part> read_anew(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, RowsTaken taken,
-                              const ReadOptions& options, bool was_sharpened = false) {
-  auto frame = fit_cut_frame(image, corners, layout.frame, was_sharpened);
+                              const LensDistortion& lens, const SymbolLayout& layout,
+                              RowsTaken taken, const ReadOptions& options,
+                              bool was_sharpened = false) {
+  auto frame = fit_cut_frame(image, corners, layout.frame, lens, was_sharpened);
   if (!frame) return std::nullopt;
   const RobustProfile rows(image, *frame, layout);
   Part part{*std::move(frame), layout, rows, taken, profile_of(rows, taken)};
@@ -229,7 +241,7 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
   }
   if (!best || best->decoding.fit.explained < kJudge.like_symbol) return std::nullopt;
   // The far side at this length, as the fit of the bars corrects it.
-  const FrameHomography map(frame.corners, {});
+  const FrameHomography map(frame.corners, frame.lens);
   const double quiet = layout.quiet_zone_modules;
   const SeenModule seen =
       seen_far_side(stretched(profile.bins, length, layout), best->decoding, layout);
@@ -237,7 +249,7 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
   Quad quad = frame.corners;
   quad[1] = map(far, 0);
   quad[2] = map(far, 1);
-  return read_anew(image, quad, layout, taken, options);
+  return read_anew(image, quad, frame.lens, layout, taken, options);
 }
 
 // The share of the frame's inner width, from side 3 on, that the profile shows.
@@ -248,11 +260,12 @@ double width_in_sight(const Part& part) {
 // Whether the bars in sight end where the layout has them in this frame.
 bool bars_end_right(const GrayView& image, const Part& part) {
   const SymbolLayout& layout = part.layout;
-  const FrameHomography map(part.frame.corners, {});
+  const FrameHomography map(part.frame.corners, part.frame.lens);
   const double end = width_in_sight(part);
   const Quad shown{map(0, 0), map(end, 0), map(end, 1), map(0, 1)};
   const double first = layout.width_share(0) / end;
-  return bars_end_near(image, {shown, first, 1, layout.bars_top, layout.bars_bottom});
+  return bars_end_near(image,
+                       {shown, first, 1, layout.bars_top, layout.bars_bottom, part.frame.lens});
 }
 
 // Whether something lies along the bars over all of their height: it may change a digit to another.
@@ -282,16 +295,21 @@ bool in_picture(const GrayView& image, PixelPoint at) {
   return at.x >= -0.5 && at.y >= -0.5 && at.x <= image.width - 0.5 && at.y <= image.height - 0.5;
 }
 
-PartReading reading_of(const GrayView& image, const Part& part) {
+std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
   const Decoding& decoding = part.decoding.decoding;
   const FarSide far = far_side_of(part);
   const std::size_t first = decoding.upside_down ? 2 : 0;
   RefinedFrame frame = part.frame;
-  frame.corners = with_far_side(frame.corners, far);
+  const auto fitted = with_far_side(frame.corners, far, frame.lens);
+  if (!fitted) return std::nullopt;
+  frame.corners = *fitted;
   frame.sides[1].covariance = covariance_of(far);
   const SymbolHypothesis symbol{turned_to(frame, first), part.layout, part.profile, decoding};
   // The bars put the far side where it is, however they grew.
-  frame.corners = with_far_side(widened(part.frame.corners, growth_of(symbol).px / 2), far);
+  const auto placed =
+      with_far_side(widened(part.frame.corners, growth_of(symbol).px / 2), far, frame.lens);
+  if (!placed) return std::nullopt;
+  frame.corners = *placed;
   PartReading reading;
   reading.corners = turned_to(frame, first).corners;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -311,11 +329,11 @@ PartReading reading_of(const GrayView& image, const Part& part) {
 std::optional<Part> believed_part(const GrayView& image, const Quad& cut,
                                   const ReadOptions& options) {
   const Camera camera = camera_for(image, options);
-  if (!is_rectilinear(camera)) return std::nullopt;
+  const LensDistortion lens(camera);
   for (const SymbolLayout& layout : options.layouts) {
     const auto rough = completed_by_shape(cut, layout.frame, camera);
     if (!rough) continue;
-    const auto fitted = fit_cut_frame(image, *rough, layout.frame);
+    const auto fitted = fit_cut_frame(image, *rough, layout.frame, lens);
     if (!fitted) continue;
     const auto whole = completed_by_shape(fitted->corners, layout.frame, camera);
     if (!whole) continue;
@@ -395,8 +413,8 @@ std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
   if (!halos) return reading_of(image, *part);
   UnsharpenedImage plain(image);
   plain.undo(*halos, cut);
-  auto again =
-      read_anew(plain.view(), part->frame.corners, part->layout, part->taken, options, true);
+  auto again = read_anew(plain.view(), part->frame.corners, part->frame.lens, part->layout,
+                         part->taken, options, true);
   if (!again || !is_believed(plain.view(), *again, options)) return reading_of(image, *part);
   add_halo_doubt(part->frame.corners, again->frame);
   return reading_of(plain.view(), *again);

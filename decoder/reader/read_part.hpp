@@ -19,7 +19,7 @@ namespace tagsmith::detail {
 
 // Reads the part in sight of a tag whose outline (to a pixel or two) has its side 1 on the
 // picture's border. Nothing where what is in sight does not certainly belong to a code of the book,
-// or too little is in sight, or the camera's lens bends straight lines.
+// or too little is in sight. A lens that is not known is taken for one that bends nothing.
 std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
                                      const ReadOptions& options);
 

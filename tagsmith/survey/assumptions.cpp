@@ -92,8 +92,9 @@ std::vector<std::string> assumed_calibration(const Rig& rig, std::optional<doubl
   }
   std::vector<std::string> sentences;
   for (const auto& [assumed, names] : cameras) {
-    sentences.push_back(fmt::format("rig {} states no sigma of camera {}: {} assumed", rig.name,
-                                    fmt::join(names, ", "), assumed));
+    sentences.push_back(
+        fmt::format("rig {} does not state the whole sigma of camera {}: {} assumed", rig.name,
+                    fmt::join(names, ", "), assumed));
   }
   if (auto shutter = assumed_shutter(rig, speed)) sentences.push_back(std::move(*shutter));
   return sentences;

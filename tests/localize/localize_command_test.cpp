@@ -172,7 +172,8 @@ TEST_CASE("the table for people names the points, positions and errors") {
   CHECK(output.out.find("000L 000R      0.980    -0.419     0.151") != std::string::npos);
   CHECK(output.out.find(
             "10 measurements, 10 located; mean error 0.1416 m in the plane, 0.0831 m in z; 95 % "
-            "0.2695 m, 0.1870 m; greatest 0.2695 m, 0.1870 m\nXu et al. 2017, straight corridor: "
+            "0.2695 m, 0.1870 m; greatest 0.2695 m, 0.1870 m\nfor comparison, Xu et al. 2017, "
+            "straight corridor: "
             "mean error 0.142 m in the plane, 0.083 m in z\n") != std::string::npos);
 }
 
@@ -311,7 +312,8 @@ TEST_CASE(
   const ProgramOutput output = run_tagsmith(arguments + " --json");
   CHECK(output.exit_code == 0);
   const std::string assumed =
-      "rig crawler states no sigma of camera left, right: edge 0.1 pixels, position 5 mm, angle "
+      "rig crawler does not state the whole sigma of camera left, right: edge 0.1 pixels, position "
+      "5 mm, angle "
       "0.5 "
       "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
   const std::string shutter =

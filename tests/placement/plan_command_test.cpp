@@ -149,7 +149,8 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
   const auto json = parsed_json(output.out);
   const std::string survey = "survey corridor states no sigma: 3 mm assumed";
   const std::string rig =
-      "rig crawler states no sigma of camera left, right: edge 0.1 pixels, position 5 mm, angle "
+      "rig crawler does not state the whole sigma of camera left, right: edge 0.1 pixels, position "
+      "5 mm, angle "
       "0.5 "
       "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
   const std::string shutter =

@@ -157,6 +157,7 @@ TEST_CASE("cameras of which the same is assumed are named together") {
   }
   CHECK(assumed_calibration(rig) ==
         std::vector<std::string>{
-            "rig trial states no sigma of camera left, right: angle 0.5 degrees assumed",
-            "rig trial states no sigma of camera rear: position 5 mm assumed"});
+            "rig trial does not state the whole sigma of camera left, right: angle 0.5 degrees "
+            "assumed",
+            "rig trial does not state the whole sigma of camera rear: position 5 mm assumed"});
 }
