@@ -216,7 +216,6 @@ class PlateSearch {
 
   void exchange_mixed() {
     constexpr std::size_t kMost = 24;  // stations that contradict themselves; as with plates
-    if (given_.stations) return;
     std::vector<Station*> contradicting;
     for (Station& station : found_.problem.stations) {
       if (!agrees(station)) contradicting.push_back(&station);

@@ -91,7 +91,7 @@ std::vector<Station> apart(const Station& station);
 // What a search does not question.
 struct Given {
   std::optional<std::size_t> plate;  // hangs as surveyed, whatever the pictures say
-  bool stations = false;             // all pictures of a station were taken together
+  bool stations = false;             // none is left out
 };
 
 // Assigns sightings of a plate that contradict the rest, while others of it do not, to a second

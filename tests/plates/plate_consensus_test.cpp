@@ -80,6 +80,24 @@ AdjustmentProblem drive(const CorridorHungByEye& site, std::uint64_t seed = 7) {
   return problem;
 }
 
+// Six places, each of which sees two pairs.
+AdjustmentProblem long_drive(const CorridorHungByEye& site) {
+  std::mt19937_64 random(7);
+  AdjustmentProblem problem = problem_of(site);
+  for (int pair = 0; pair < 6; ++pair) {
+    const std::string near = "00" + std::to_string(pair), far = "00" + std::to_string(pair + 1);
+    problem.stations.push_back(
+        seen_from(site, 0.8 * pair - 0.5, {near + "L", near + "R", far + "L", far + "R"}, random));
+  }
+  return problem;
+}
+
+void exchange_photos(Station& one, Station& other, std::size_t camera) {
+  for (std::size_t i = 0; i < one.sightings.size(); ++i) {
+    if (one.sightings[i].camera == camera) std::swap(one.sightings[i], other.sightings[i]);
+  }
+}
+
 // Pictures of a plate at another size: those of the whole one, its corners drawn towards its
 // middle.
 void print_small(const CorridorHungByEye& site, std::size_t small, AdjustmentProblem& problem,
@@ -148,6 +166,42 @@ TEST_CASE("how sure it is that a plate is off does not depend on one that is off
   const PlateCheck alone = find_consensus(drive(one)).plates[one.index("000L")];
   const PlateCheck beside = find_consensus(drive(two)).plates[one.index("000L")];
   CHECK(alone.verdict == HangVerdict::off);
+  CHECK(beside.verdict == HangVerdict::off);
+  CHECK(beside.log_odds == doctest::Approx(alone.log_odds).epsilon(0.05));
+}
+
+TEST_CASE("how sure it is that a plate is off does not depend on photos that were mixed up") {
+  CorridorHungByEye site;
+  site.move("001L", {0.02, 0, 0});
+  const AdjustmentProblem right = long_drive(site);
+  const PlateCheck alone = find_consensus(right).plates[site.index("001L")];
+  CHECK(alone.verdict == HangVerdict::off);
+  for (const std::size_t near : {1U, 4U}) {
+    CAPTURE(near);
+    AdjustmentProblem problem = right;
+    exchange_photos(problem.stations[near], problem.stations[near + 1], 1);
+    const Consensus found = find_consensus(problem);
+    CHECK(found.mixed.size() == 1);
+    const PlateCheck& beside = found.plates[site.index("001L")];
+    CHECK(beside.verdict == HangVerdict::off);
+    CHECK(beside.log_odds == doctest::Approx(alone.log_odds).epsilon(0.1));
+  }
+}
+
+TEST_CASE("how sure it is that a plate is off does not depend on a second copy far from it") {
+  CorridorHungByEye site;
+  site.move("001L", {0.02, 0, 0});
+  const PlateCheck alone = find_consensus(long_drive(site)).plates[site.index("001L")];
+  AdjustmentProblem problem = long_drive(site);
+  CorridorHungByEye copied = site;
+  copied.hung[site.index("004R")] = site.hung[site.index("006R")];
+  std::mt19937_64 random(9);
+  problem.stations[5] = seen_from(copied, 3.5, {"005L", "005R", "006L", "004R"}, random);
+  problem.unseen = {problem.plates[site.index("006R")]};
+  const Consensus found = find_consensus(problem);
+  REQUIRE(found.copies.size() == 1);
+  CHECK(found.copies[0].place == "006R");
+  const PlateCheck& beside = found.plates[site.index("001L")];
   CHECK(beside.verdict == HangVerdict::off);
   CHECK(beside.log_odds == doctest::Approx(alone.log_odds).epsilon(0.05));
 }
