@@ -390,11 +390,8 @@ class PlateSearch {
   // A station may have been left out before the plate was taken out that it contradicts.
   void take_back_stations() {
     if (!found_.adjustment) return;
-    std::map<std::string, Station> whole;
-    for (const Station& station : found_.left_out) {
-      Station& longest = whole.try_emplace(station.name, station).first->second;
-      if (station.sightings.size() > longest.sightings.size()) longest = station;
-    }
+    std::map<std::string, Station> whole;  // left out before any part of it was
+    for (const Station& station : found_.left_out) whole.try_emplace(station.name, station);
     for (const auto& [name, station] : whole) {
       if (auto with = with_station(station)) found_ = std::move(*with);
     }
