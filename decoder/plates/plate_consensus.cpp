@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 // Why: docs/decisions/0010-where-plates-hang.md.
 // By how much chi-square another explanation with one fault less may be worse: parameters of a
 // plate, and its odds.
-constexpr double kOfFault = 7 + kClearlyBetter;
+constexpr double kOfFault = kOfPlate + kClearlyBetter;
 
 // For a rig of unknown calibration, and for frames that all have another size.
 Rig any_calibration(Rig rig) {
@@ -524,31 +524,28 @@ class Judge {
 
   // --- stations left out ---
 
-  // Where a plate would have to hang to explain the station; nothing when no place does.
-  std::optional<Pose> place_that_explains(const Station& station, std::size_t plate) const {
+  // The fit to this station alone; nothing where it fits badly, or where a plate contradicts it
+  // that may not hang anywhere.
+  std::optional<Adjustment> fit_alone(const Station& station,
+                                      std::optional<std::size_t> anywhere = {}) const {
     AdjustmentProblem problem = found_.problem;
     problem.stations = {station};
     std::vector<PlateFreedom> freed = found_.freed;
-    freed[plate] = PlateFreedom::place;
-    const auto fit = adjust_plates(problem, freed);
-    if (!fit || !fit->offsets[plate] || fits_badly(station, fit->station_chi_square[0])) {
-      return std::nullopt;
-    }
-    const auto contradicts = [&](std::size_t other) {
-      return other != plate && fit->offsets[other] && excess(*fit->offsets[other]) > 1;
+    if (anywhere) freed[*anywhere] = PlateFreedom::place;
+    auto fit = adjust_plates(problem, freed);
+    if (!fit || fits_badly(station, fit->station_chi_square[0])) return std::nullopt;
+    const auto contradicts = [&](std::size_t plate) {
+      return plate != anywhere && fit->offsets[plate] && excess(*fit->offsets[plate]) > 1;
     };
     if (std::ranges::any_of(plates_of(station), contradicts)) return std::nullopt;
-    return fit->world_from_plate[plate];
+    return fit;
   }
 
-  bool fits_alone(const Station& part) const {
-    AdjustmentProblem problem = found_.problem;
-    problem.stations = {part};
-    const auto fit = adjust_plates(problem, found_.freed);
-    if (!fit || fits_badly(part, fit->station_chi_square[0])) return false;
-    return std::ranges::none_of(fit->offsets, [&](const std::optional<PlateOffset>& offset) {
-      return offset && excess(*offset) > 1;
-    });
+  // Where a plate would have to hang to explain the station; nothing when no place does.
+  std::optional<Pose> place_that_explains(const Station& station, std::size_t plate) const {
+    const auto fit = fit_alone(station, plate);
+    if (!fit || !fit->offsets[plate]) return std::nullopt;
+    return fit->world_from_plate[plate];
   }
 
   LeftOutStation suspected(const Station& station) const {
@@ -558,7 +555,7 @@ class Judge {
     }
     left_out.fits_apart =
         !is_of_one_camera(station) &&
-        std::ranges::all_of(apart(station), [&](const Station& part) { return fits_alone(part); });
+        std::ranges::all_of(apart(station), [&](const Station& part) { return !!fit_alone(part); });
     return left_out;
   }
 

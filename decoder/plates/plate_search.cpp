@@ -347,7 +347,6 @@ class PlateSearch {
   }
 
   void take_out_worst() {
-    constexpr int kOfPlate = 7;
     for (;;) {
       found_.adjustment = adjust_plates(found_.problem, found_.freed);
       if (!found_.adjustment) return;

@@ -14,7 +14,9 @@
 
 namespace tagsmith::detail {
 
-inline constexpr double kClearlyBetter = 12;  // of chi-square: odds of 400
+// Of chi-square.
+inline constexpr double kClearlyBetter = 12;  // odds of 400
+inline constexpr double kOfPlate = 7;         // parameters of a plate
 
 std::set<std::size_t> plates_of(const Station& station);
 

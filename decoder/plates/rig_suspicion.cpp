@@ -17,6 +17,7 @@
 
 #include "decoder/plates/attitude_scatter.hpp"
 #include "decoder/plates/drive_fit.hpp"
+#include "decoder/plates/plate_search.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
@@ -462,8 +463,7 @@ std::vector<RigSuspect> likeliest(std::vector<Candidate> found, double excess) {
 bool one_plate_explains(const Survey& survey, const Rig& rig, const Stated& as_stated,
                         double chi_square) {
   constexpr std::size_t kMostTried = 6;
-  constexpr double kNearlyAsWell = 12;  // of chi-square: odds of 400
-  constexpr double kAnywhere = 1;       // metres, radians
+  constexpr double kAnywhere = 1;  // metres, radians
   if (!as_stated.explained) return false;
   const auto& offsets = as_stated.explained->fit.adjustment.offsets;
   std::vector<std::size_t> worst;
@@ -478,7 +478,7 @@ bool one_plate_explains(const Survey& survey, const Rig& rig, const Stated& as_s
     drive.plates[plate].survey_variance.setConstant(kAnywhere);
     const auto fit = fit_drive(survey, drive, rig, stated_sigmas(rig));
     return fit && fit->adjustment.chi_square - fit->heading_chi_square <
-                      chi_square + as_stated.excess * kNearlyAsWell;
+                      chi_square + as_stated.excess * kClearlyBetter;
   });
 }
 
