@@ -31,7 +31,13 @@ void add_displacement(double px, FrameSide& side) {
   side.covariance += px * px * Eigen::Matrix2d{{1.25, 1}, {1, 1.25}};
 }
 
-// A stroke that is thicker or thinner than the others has a crust or dirt along one of its edges.
+// By how much a stroke is clearly thicker or thinner than the others: it has a crust or dirt along
+// one of its edges.
+double clear_excess(const StrokeExcesses& excesses, std::size_t side) {
+  const auto& excess = excesses[side];
+  return excess && std::abs(excess->px) >= 2 * excess->sigma_px ? excess->px : 0;
+}
+
 // Seen obliquely, ink that grew moves the upper and lower side farther than the growth across the
 // bars says, and a tone curve does not.
 void add_doubt_of_sides(const StrokeExcesses& excesses, double growth_along_bars,
@@ -40,8 +46,7 @@ void add_doubt_of_sides(const StrokeExcesses& excesses, double growth_along_bars
     add_displacement(growth_along_bars / 3, *side);
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    if (!excesses[i] || std::abs(excesses[i]->px) < 2 * excesses[i]->sigma_px) continue;
-    add_displacement(excesses[i]->px, frame.sides[i]);
+    add_displacement(clear_excess(excesses, i), frame.sides[i]);
   }
 }
 
@@ -67,16 +72,25 @@ CornerCovariance covariance_by_frame(RefinedFrame frame, const SymbolHypothesis&
   return corner_covariance(frame, std::hypot(by_growth, by_shadows), by_strokes);
 }
 
-// Where no end of the bars is visible, only the stroke distinguishes the upper and the lower side
-// from other edges, and an edge between light and shade may lie on it.
-PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show,
+// What the bars' ends show of the upper and the lower side.
+struct SidesByEnds {
+  bool shown = false;  // the ends beside the side are in sight
+  double off_px = 0;   // by which the side contradicts them; 0 = it does not
+};
+
+// Where the ends of the bars beside it are not visible, only the stroke distinguishes the upper or
+// the lower side from other edges, and an edge between light and shade may lie on it. A side that
+// contradicts its bars' ends may be the edge of something else.
+PlacedCorners placed_by_frame(const SymbolHypothesis& symbol,
+                              const std::array<SidesByEnds, 2>& by_ends,
                               const StrokeExcesses& excesses) {
   RefinedFrame frame = symbol.frame;
-  if (!ends_show) {
-    for (FrameSide* side : {&frame.sides[0], &frame.sides[2]}) {
-      const double doubt = side->stroke_px / 2;
-      side->covariance += Eigen::Matrix2d::Identity() * doubt * doubt;
-    }
+  for (const std::size_t side : {0U, 2U}) {
+    if (!frame.shown[side]) continue;
+    const SidesByEnds& ends = by_ends[side / 2];
+    const double doubt = ends.shown ? 0 : frame.sides[side].stroke_px / 2;
+    frame.sides[side].covariance += Eigen::Matrix2d::Identity() * doubt * doubt;
+    add_displacement(ends.off_px, frame.sides[side]);
   }
   return {corners_of(symbol), covariance_by_frame(std::move(frame), symbol, excesses)};
 }
@@ -105,7 +119,7 @@ struct SeenOutwards {
   PlacesCovariance covariance;
   // By how much these places move outwards with the corners.
   Eigen::Matrix<double, Eigen::Dynamic, 8, 0, 8, 8> by_corners;
-  bool ends_show = false;  // above or below
+  std::array<SidesByEnds, 2> by_ends{};  // above and below
 };
 
 // Enters how a place moves outwards with the corners; `share` of a side's length from its begin.
@@ -276,19 +290,56 @@ std::array<double, 2> beside_a_line(const SeenBands& bands, const SymbolHypothes
   return {beside(0), beside(1)};
 }
 
+// Of a line of bars' ends: where it stands in SeenOutwards, and how far it may be off by itself.
+struct EnteredEnds {
+  Eigen::Index first = 0;
+  double variance = 0;  // pixels^2
+};
+
+// A side of which the bars' ends contradict those at the other side more than noise explains may be
+// the edge of something that lies along it, such as a cable or a board, unless that lies across the
+// ends: the side stays, and is as unsure as it is off. By the layout alone this would not
+// show, but what the margins are rounded by, and most of the systematic error, is common to both.
+// Why: docs/decisions/0007-corner-covariance.md.
+void doubt_sides_off_ends(const SymbolHypothesis& symbol, const StrokeExcesses& excesses,
+                          const EnteredEnds& upper, const EnteredEnds& lower, SeenOutwards& seen) {
+  const auto off = [&](const EnteredEnds& ends) { return seen.by_bars.segment<2>(ends.first); };
+  const auto of_side = [&](std::size_t side) {
+    const double excess = clear_excess(excesses, side);
+    return symbol.frame.sides[side].covariance.trace() / 2 + excess * excess;
+  };
+  const double variance = upper.variance + lower.variance + of_side(0) + of_side(2);
+  const double apart = off(upper).mean() - off(lower).mean();
+  if (!(apart * apart > 9 * variance)) return;  // three standard deviations
+  for (const auto& [side, ends] : {std::pair{0U, upper}, std::pair{1U, lower}}) {
+    seen.by_ends[side].off_px = off(ends).cwiseAbs().maxCoeff();
+    seen.covariance.block<2, 2>(ends.first, ends.first).diagonal().array() +=
+        1e6;  // they do not count
+  }
+}
+
 SeenOutwards seen_by_bars(const SymbolHypothesis& symbol, const SeenBands& bands,
-                          const BothEnds& ends) {
+                          const BothEnds& ends, const StrokeExcesses& excesses) {
   const auto& [field, upper, lower] = ends;
   // A side that was hidden is already placed by the ends.
   const bool has_upper = upper && symbol.frame.shown[0], has_lower = lower && symbol.frame.shown[2];
   SeenOutwards seen(4 + (has_upper ? 2 : 0) + (has_lower ? 2 : 0));
-  seen.ends_show = upper || lower;
+  seen.by_ends = {SidesByEnds{upper.has_value()}, SidesByEnds{lower.has_value()}};
   enter_half({0, 0.5}, bands[0], bands[1], 0, symbol, seen);
   enter_half({0.5, 1}, bands[2], bands[3], 2, symbol, seen);
   const double by_lens = lens_variance(symbol);
   add_unexplained(by_lens, seen);
+  const Eigen::Index below = seen.by_bars.size() - 2;
   if (has_upper) enter_ends(*upper, 0, 4, symbol, by_lens, seen);
-  if (has_lower) enter_ends(*lower, 2, seen.by_bars.size() - 2, symbol, by_lens, seen);
+  if (has_lower) enter_ends(*lower, 2, below, symbol, by_lens, seen);
+  if (has_upper && has_lower) {
+    // The two lines have eight ninths of the variance of their systematic error in common.
+    const double common = kBarEnds.systematic_px * kBarEnds.systematic_px * 8 / 9;
+    const auto alone = [&](const BarEnds& line) {
+      return line.sigma_px * line.sigma_px + by_lens - common;
+    };
+    doubt_sides_off_ends(symbol, excesses, {4, alone(*upper)}, {below, alone(*lower)}, seen);
+  }
   return seen;
 }
 
@@ -326,7 +377,7 @@ void add_doubt_of_long_moves(const SymbolHypothesis& symbol, const CornerVector&
 // The corners by the frame, moved to where the bars have them as far as the two agree.
 PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& seen,
                             const StrokeExcesses& excesses) {
-  PlacedCorners placed = placed_by_frame(symbol, seen.ends_show, excesses);
+  PlacedCorners placed = placed_by_frame(symbol, seen.by_ends, excesses);
   const CornerVector at = as_vector(placed.corners);
   const CornerVector before = at - as_vector(symbol.frame.corners);
   const Correction found = correction_by(seen, before, placed.covariance);
@@ -375,8 +426,9 @@ CornerCovariance covariance_by_frame(const GrayView& image, const SymbolHypothes
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
                                        const BothEnds& ends) {
   const SeenBands bands = seen_bands(symbol, *rows_of(image, symbol.frame, symbol));
+  const StrokeExcesses excesses = stroke_excesses(image, symbol);
   PlacedCorners placed =
-      moved_to_bars(symbol, seen_by_bars(symbol, bands, ends), stroke_excesses(image, symbol));
+      moved_to_bars(symbol, seen_by_bars(symbol, bands, ends, excesses), excesses);
   placed.covariance += covariance_beside_a_line(placed.corners, beside_a_line(bands, symbol));
   return placed;
 }

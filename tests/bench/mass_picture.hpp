@@ -71,13 +71,14 @@ enum class Trouble {
   hidden_side,     // a board over one of the frame's sides, not over the bars
   dirt,            // blotches
   glare,
-  veil,           // dust: little contrast
-  dark,           // little light, much noise
-  motion_along,   // of the bars, up to 8 px
-  motion_across,  // up to 1.2 modules
-  steep,          // seen at 65 to 75 degrees
-  several,        // three of them
-  shadow,         // one or two with edges across the plate, as dark as a twentieth
+  veil,             // dust: little contrast
+  dark,             // little light, much noise
+  motion_along,     // of the bars, up to 8 px
+  motion_across,    // up to 1.2 modules
+  steep,            // seen at 65 to 75 degrees
+  several,          // three of them
+  shadow,           // one or two with edges across the plate, as dark as a twentieth
+  edge_along_side,  // a board along one of the frame's sides, a little within it
   count
 };
 

@@ -34,6 +34,21 @@ Strip hidden_side(Random& random) {
                   light);
 }
 
+// A board or a pipe along one of the frame's sides, whose edge is up to two modules within the
+// frame's inner edge and nearly as straight.
+Strip edge_along_side(Random& random) {
+  const double light = uniform(random, 0.02, 0.3);
+  const double half = uniform(random, 2, 12);
+  const double middle = uniform(random, 0.1, 2) - half;
+  const bool ends = chance(random, 0.5), far = chance(random, 0.5);
+  const double lean = uniform(random, -0.01, 0.01);
+  if (ends) {
+    return strip_at(lean, far ? kFrameWidth - middle : middle, kFrameHeight / 2, half, light);
+  }
+  return strip_at(std::numbers::pi / 2 + lean, kFrameWidth / 2,
+                  far ? kFrameHeight - middle : middle, half, light);
+}
+
 // One side of a straight edge, or a band.
 Shadow shadow_at(double u, double v, Random& random) {
   const double half = chance(random, 0.5) ? 1000 : uniform(random, 2, 20);
@@ -61,6 +76,9 @@ void add_trouble(Trouble trouble, Scene& scene, Sensor& sensor, Random& random) 
       break;
     case Trouble::hidden_side:
       scene.strips.push_back(hidden_side(random));
+      break;
+    case Trouble::edge_along_side:
+      scene.strips.push_back(edge_along_side(random));
       break;
     case Trouble::dirt: {
       const int count = integer(random, 3, 10);
@@ -120,7 +138,8 @@ const char* name_of(Trouble trouble) {
       "motion across the bars",
       "steep view",
       "three of them",
-      "shadow"};
+      "shadow",
+      "an edge along a side of the frame"};
   return kNames[static_cast<std::size_t>(trouble)];
 }
 

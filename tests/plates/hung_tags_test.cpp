@@ -128,8 +128,8 @@ TEST_CASE("a twisted plate is named, and the others are judged without it") {
   std::vector<SightedTag> sighted = corridor.seen();
   for (SightedTag& tag : sighted) {
     if (tag.tag != "002R") continue;
-    for (const std::size_t corner : {0, 2}) tag.seen.corners[corner].y -= 3;
-    for (const std::size_t corner : {1, 3}) tag.seen.corners[corner].y += 3;
+    for (const std::size_t corner : {0U, 2U}) tag.seen.corners[corner].y -= 3;
+    for (const std::size_t corner : {1U, 3U}) tag.seen.corners[corner].y += 3;
   }
   const HungTags result = check_hung_tags(corridor.survey, corridor.rig, sighted);
   CHECK_FALSE(result.nothing_fits);

@@ -102,6 +102,49 @@ TEST_CASE("upper and lower sides that the bars' ends contradict are not sure of 
   CHECK(corner_covariance(symbol.frame)(1, 1) < 0.01);
 }
 
+TEST_CASE("a side beside which something else has its edge is as unsure as the bars' ends say") {
+  const DrawnSymbol drawn(kDrawnDigits, 3);
+  for (const std::size_t side : {0U, 2U}) {
+    CAPTURE(side);
+    SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.02);
+    const double inwards = side == 0 ? 1 : -1;
+    symbol.frame.corners[side].y += inwards;
+    symbol.frame.corners[side + 1].y += inwards;
+    const PlacedCorners placed = placed_in(drawn, symbol);
+    for (const std::size_t corner : {side, side + 1}) {
+      const auto y = static_cast<Eigen::Index>(2 * corner + 1);
+      const double off = placed.corners[corner].y - drawn.frame().corners[corner].y;
+      CHECK(std::abs(off) < 0.8);
+      CHECK(off * off < 9 * placed.covariance(y, y));
+      CHECK(placed.covariance(y, y) < 4);
+    }
+  }
+}
+
+TEST_CASE("bars that end as far off above as below say nothing against a frame's sides") {
+  const DrawnSymbol drawn(kDrawnDigits, 3);
+  SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.02);
+  const double margin = 0.4 / height_of(symbol.frame.corners);
+  symbol.layout.bars_top += margin;
+  symbol.layout.bars_bottom -= margin;
+  CHECK(placed_in(drawn, symbol).covariance(1, 1) < 0.002);
+  symbol.layout.bars_bottom += 2 * margin;
+  CHECK(placed_in(drawn, symbol).covariance(1, 1) > 0.1);
+}
+
+TEST_CASE("a side is unsure where its own bars' ends are not in sight") {
+  const DrawnSymbol drawn(kDrawnDigits, 3);
+  const SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.02);
+  BothEnds ends = bar_ends_of(drawn.image.view(), symbol);
+  REQUIRE(ends.lower);
+  const auto lower_variance = [&] {
+    return placed_by_frame_and_bars(drawn.image.view(), symbol, ends).covariance(5, 5);
+  };
+  const double in_sight = lower_variance();
+  ends.lower.reset();
+  CHECK(lower_variance() > 4 * in_sight);
+}
+
 TEST_CASE("bars of another layout than the frame's do not move it, but it is less sure") {
   const DrawnSymbol drawn(kDrawnDigits, 3);
   SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.05);
