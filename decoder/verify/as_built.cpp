@@ -304,6 +304,11 @@ std::string contradiction(const AsBuiltTag& tag, const Pose& surveyed) {
       1e3 * tag.shift.norm(), degrees(turned));
 }
 
+// In the mean of the three coordinates.
+double sigma_of_place(const Eigen::Matrix<double, 6, 6>& covariance) {
+  return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()) / 3);
+}
+
 void fill(const SightedPlate& plate, const PlateOffset& offset, const Pose& surveyed,
           AsBuiltTag& tag) {
   tag.world_from_plate = plate.world_from_plate;
@@ -311,13 +316,14 @@ void fill(const SightedPlate& plate, const PlateOffset& offset, const Pose& surv
   tag.world_from_plate.rotation *= rotation_of(offset.turn);
   tag.covariance = offset.covariance;
   tag.shift = tag.world_from_plate.translation - surveyed.translation;
-  tag.survey_sigma = std::sqrt(std::max(0.0, tag.covariance.topLeftCorner<3, 3>().trace()) / 3);
+  tag.survey_sigma = sigma_of_place(tag.covariance);
 }
 
 // For a control tag whose place the photos alone do not determine.
 void take_survey(const SightedPlate& plate, AsBuiltTag& tag) {
   tag.world_from_plate = plate.world_from_plate;
   tag.covariance = plate.survey_variance.asDiagonal();
+  tag.survey_sigma = sigma_of_place(tag.covariance);
   tag.shift.setZero();
 }
 

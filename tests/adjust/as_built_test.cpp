@@ -256,6 +256,7 @@ TEST_CASE("a control tag that no other one confirms hangs as surveyed, to the su
     const double variance = surveyed.sigma * surveyed.sigma;
     CHECK(only.covariance(axis, axis) / variance == doctest::Approx(1));
   }
+  CHECK(only.survey_sigma == doctest::Approx(surveyed.sigma));  // it is what the file gets
 }
 
 TEST_CASE("a single control tag is contradicted by the others where these agree") {
