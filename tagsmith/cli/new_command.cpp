@@ -333,6 +333,7 @@ Result<Drafted> make_draft(const NewOptions& options) {
   if (options.list.order != "own") {
     check_heights(draft.points, draft.fit, log);
     check_across(draft.points, draft.fit, log);
+    if (!list->alignment && !draft.of_export) check_shape(draft, log);
   }
   if (auto tags = complete_tags(options, list->survey, draft); !tags) {
     return fail(options.points + ": " + tags.error().message);

@@ -648,6 +648,26 @@ void check_proposed(const SurveyDraft& draft, FindingLog& log) {
   }
 }
 
+void check_shape(const SurveyDraft& draft, FindingLog& log) {
+  constexpr int kLeastFreedom = 2;
+  const std::vector<CenterlineElement>& elements = draft.fit.tunnel.centerline.elements();
+  const bool is_straight = elements.size() == 1 && elements.front().curvature == 0;
+  int points = 0, first_line = 0;
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    const SurveyedPoint& point = draft.points[i];
+    if (point.of_alignment || point.offset) return;  // the list states the shape itself
+    if (!draft.fit.residuals[i].across) continue;
+    if (points++ == 0) first_line = point.line;
+  }
+  // Three numbers for a straight line with its width, two for each further element.
+  const int freedom = points - 1 - 2 * static_cast<int>(elements.size());
+  if (is_straight || points == 0 || freedom >= kLeastFreedom) return;
+  log.warning({first_line, 0}, "unchecked-shape",
+              fmt::format("{} points determine a drive of {} {}, and none is left to check it",
+                          points, elements.size(), elements.size() == 1 ? "arc" : "elements"),
+              "is the drive bent so? list more points of the walls, or remove the wrong one");
+}
+
 std::vector<Eigen::Vector3d> tag_positions(const SurveyDraft& draft) {
   return positions_of(pairs_of(draft));
 }

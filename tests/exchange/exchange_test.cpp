@@ -730,6 +730,27 @@ TEST_CASE("plates that are proposed where no wall was surveyed are named") {
   CHECK(half.find("right wall") == std::string::npos);
 }
 
+TEST_CASE("a bend that hardly more points than it needs show is warned of") {
+  const std::string floor = "7,500.1,1201.0,312,FL\n8,502.1,1208.7,312,FL\n";
+  const auto said = [&](const std::string& walls) {
+    const TemporaryFolder folder;
+    const ProgramOutput made = draft(folder.path(), walls + floor,
+                                     "--order PENZD --tunnel-height 2.8 --height 1.2 --spacing 2");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    return made.err;
+  };
+  // Of a straight drive, with errors of a decimetre.
+  const std::string rough =
+      "1,498.746,1200.388,313.2,WL\n2,500.064,1205.218,313.2,WL\n3,501.151,1210.047,313.2,WL\n"
+      "4,501.336,1199.612,313.2,WR\n5,502.581,1204.441,313.2,WR\n6,504.044,1209.271,313.2,WR\n";
+  CHECK(said(rough).find("points.csv:1: warning: 6 points determine a drive of 2 elements, and "
+                         "none is left to check it [unchecked-shape]") != std::string::npos);
+  const std::string straight =
+      "1,498.5,1200,313.2,WL\n2,498.5,1205,313.2,WL\n3,498.5,1210,313.2,WL\n"
+      "4,501.5,1200,313.2,WR\n5,501.5,1205,313.2,WR\n6,501.5,1210,313.2,WR\n";
+  CHECK(said(straight).find("unchecked-shape") == std::string::npos);
+}
+
 TEST_CASE("a slip of 15 mm across is named where the others keep to 1 mm") {
   for (const std::size_t index : {4U, 30U, 65U}) {  // walls, a tag
     CAPTURE(index);
