@@ -554,8 +554,9 @@ class Judge {
       left_out.suspects.push_back({plate, place_that_explains(station, plate)});
     }
     left_out.fits_apart =
-        !is_of_one_camera(station) &&
-        std::ranges::all_of(apart(station), [&](const Station& part) { return !!fit_alone(part); });
+        !is_of_one_camera(station) && std::ranges::all_of(apart(station), [&](const Station& part) {
+          return fit_alone(part).has_value();
+        });
     return left_out;
   }
 

@@ -63,9 +63,9 @@ void expect(Loop& loop, double share) {
     std::vector<double> near;
     for (int k = -kReach; k <= kReach; k += kStride) near.push_back(level(first + k));
     std::ranges::sort(near);
-    const double place = share * static_cast<double>(near.size() - 1);
+    const std::size_t place = quantile_place(near.size(), share);
     for (int i = first; i < size; i += kStride) {
-      loop.expected[static_cast<std::size_t>(i)] = near[static_cast<std::size_t>(place + 1e-9)];
+      loop.expected[static_cast<std::size_t>(i)] = near[place];
       near.erase(std::ranges::lower_bound(near, level(i - kReach)));
       const double next = level(i + kReach + kStride);
       near.insert(std::ranges::upper_bound(near, next), next);

@@ -354,23 +354,40 @@ struct CoveredSymbol {
   PartDecoding decoding;
 };
 
-// What explains best what is in sight in a frame.
-std::optional<CoveredSymbol> best_in_sight(const GrayView& image, const RefinedFrame& frame,
-                                           const ReadOptions& options, AddedLight added) {
-  std::optional<CoveredSymbol> best;
+// A frame from P on with its symbol's rows, which are cut out once for all kinds of light.
+struct CoveredRows {
+  RefinedFrame frame;
+  RobustProfile rows;
+  SymbolRows in_sight;
+};
+
+// In each direction in which the symbol may run, and each layout.
+std::vector<CoveredRows> covered_rows(const GrayView& image, const RefinedFrame& frame,
+                                      const ReadOptions& options) {
+  std::vector<CoveredRows> all;
   for (const std::size_t first : possible_first_corners(image, frame.corners)) {
     for (const SymbolLayout& layout : options.layouts) {
       const RefinedFrame turned = turned_to(frame, first);
       const RobustProfile rows(image, turned, layout);
-      SymbolProfile profile = rows.of_all_rows(rows.rows_in_sight(), added);
-      auto part = decode(profile.bins, profile.blur, options);
-      if (!part) continue;
-      const Decoding& decoding = part->decoding;
-      if (best && decoding.fit.explained <= best->decoding.decoding.fit.explained) continue;
-      SymbolHypothesis symbol{turned_to(turned, decoding.upside_down ? 2 : 0), layout,
-                              std::move(profile), decoding};
-      best = CoveredSymbol{std::move(symbol), *std::move(part)};
+      all.push_back({turned, rows, rows.rows_in_sight()});
     }
+  }
+  return all;
+}
+
+// What explains best what is in sight in a frame.
+std::optional<CoveredSymbol> best_in_sight(const std::vector<CoveredRows>& all,
+                                           const ReadOptions& options, AddedLight added) {
+  std::optional<CoveredSymbol> best;
+  for (const auto& [frame, rows, in_sight] : all) {
+    SymbolProfile profile = rows.of_all_rows(in_sight, added);
+    auto part = decode(profile.bins, profile.blur, options);
+    if (!part) continue;
+    const Decoding& decoding = part->decoding;
+    if (best && decoding.fit.explained <= best->decoding.decoding.fit.explained) continue;
+    SymbolHypothesis symbol{turned_to(frame, decoding.upside_down ? 2 : 0), rows.layout(),
+                            std::move(profile), decoding};
+    best = CoveredSymbol{std::move(symbol), *std::move(part)};
   }
   return best;
 }
@@ -423,8 +440,9 @@ std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
 CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
                             const ReadOptions& options) {
   CoveredReading reading;
+  const std::vector<CoveredRows> rows = covered_rows(image, frame, options);
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
-    auto covered = best_in_sight(image, frame, options, added);
+    auto covered = best_in_sight(rows, options, added);
     if (!covered || covered->decoding.decoding.fit.explained < kJudge.like_symbol) break;
     // Uncertain digits add no more than their limit to the doubt; a doubt above it is a
     // contradiction.

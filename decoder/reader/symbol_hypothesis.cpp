@@ -92,15 +92,17 @@ std::shared_ptr<const RobustProfile> SymbolLook::seen(std::size_t first_corner,
   });
   if (same != seen_.end()) return same->rows;
   seen_.push_back(
-      {first_corner, evened,
-       std::make_shared<RobustProfile>(image_, turned_to(frame_, first_corner), layout, evened)});
+      {first_corner,
+       evened,
+       std::make_shared<RobustProfile>(image_, turned_to(frame_, first_corner), layout, evened),
+       {}});
   return seen_.back().rows;
 }
 
-const SymbolRows& SymbolLook::in_sight(const std::shared_ptr<const RobustProfile>& of) {
-  const auto made = std::ranges::find(in_sight_, of, &InSight::of);
-  if (made != in_sight_.end()) return made->rows;
-  return in_sight_.emplace_back(of, of->rows_in_sight()).rows;
+const SymbolRows& SymbolLook::in_sight(const std::shared_ptr<const RobustProfile>& rows) {
+  std::optional<SymbolRows>& made = std::ranges::find(seen_, rows, &Seen::rows)->in_sight;
+  if (!made) made = rows->rows_in_sight();
+  return *made;
 }
 
 bool is_beyond_doubt(const Decoding& decoding) {

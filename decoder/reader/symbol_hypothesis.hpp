@@ -56,16 +56,12 @@ class SymbolLook {
     std::size_t first_corner;  // treated as P
     bool is_evened;
     std::shared_ptr<const RobustProfile> rows;
-  };
-
-  struct InSight {
-    std::shared_ptr<const RobustProfile> of;
-    SymbolRows rows;
+    std::optional<SymbolRows> in_sight;  // of them, once they were asked for
   };
 
   std::shared_ptr<const RobustProfile> seen(std::size_t first_corner, const SymbolLayout& layout,
                                             bool evened);
-  const SymbolRows& in_sight(const std::shared_ptr<const RobustProfile>& of);
+  const SymbolRows& in_sight(const std::shared_ptr<const RobustProfile>& rows);  // that were seen
 
   // The best explained symbol by the profiles that `profile_of` takes of the rows, with and without
   // evened light; without, where that leaves no doubt.
@@ -76,7 +72,6 @@ class SymbolLook {
   GrayView image_;
   const RefinedFrame& frame_;
   std::vector<Seen> seen_;
-  std::vector<InSight> in_sight_;
   std::optional<bool> lies_in_shadow_;
 };
 

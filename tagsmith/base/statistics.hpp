@@ -13,12 +13,17 @@ namespace tagsmith::detail {
 
 // ---- Samples.
 
+// The place of a quantile among so many sorted values, at least one.
+inline std::size_t quantile_place(std::size_t count, double share) {
+  return static_cast<std::size_t>(share * static_cast<double>(count - 1) + 1e-9);
+}
+
 // The value at place share * (n - 1), rounded down, of n sorted values: 0.5 = the median, of an
 // even number the lower of the middle two. There must be at least one value; their order changes.
 template <class Value>
 Value quantile(std::vector<Value>& values, double share) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(
-                                          share * static_cast<double>(values.size() - 1) + 1e-9);
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(quantile_place(values.size(), share));
   std::nth_element(values.begin(), place, values.end());
   return *place;
 }

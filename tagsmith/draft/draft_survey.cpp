@@ -141,6 +141,12 @@ std::string series_text(const TagSeries& series) {
       format_number(series.first), series.pairs);
 }
 
+// How many of the points across a drive its shape does not need: three numbers are fitted for a
+// straight line with its width, two for each further element.
+double freedom_of(const Centerline& line, double points) {
+  return points - 1 - 2 * static_cast<double>(line.elements().size());
+}
+
 // How far points lie from the fitted walls, one standard deviation, metres.
 struct AcrossScatter {
   std::string_view of;  // points of walls and tags, or tags alone
@@ -169,8 +175,7 @@ std::optional<AcrossScatter> scatter_across(const SurveyDraft& draft) {
     ++tags;
     squares_of_tags += *across * *across;
   }
-  // For a straight line with its width three numbers are fitted, for each further element two.
-  const double freedom = points - 1 - 2 * static_cast<double>(tunnel.centerline.elements().size());
+  const double freedom = freedom_of(tunnel.centerline, points);
   if (freedom < kLeastFreedom || tags == 0) return std::nullopt;
   const double fitted = std::sqrt(points / freedom);  // the fit took a part of all scatter
   const double by_tags = std::sqrt(squares_of_tags / tags);
@@ -659,8 +664,7 @@ void check_shape(const SurveyDraft& draft, FindingLog& log) {
     if (!draft.fit.residuals[i].across) continue;
     if (points++ == 0) first_line = point.line;
   }
-  // Three numbers for a straight line with its width, two for each further element.
-  const int freedom = points - 1 - 2 * static_cast<int>(elements.size());
+  const double freedom = freedom_of(draft.fit.tunnel.centerline, points);
   if (is_straight || points == 0 || freedom >= kLeastFreedom) return;
   log.warning({first_line, 0}, "unchecked-shape",
               fmt::format("{} points determine a drive of {} {}, and none is left to check it",
