@@ -180,9 +180,10 @@ FitEquations minimise(const ScanProfile& profile, const Digits& digits, const Im
 }  // namespace
 
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
-  const FitEquations found = minimise(profile, digits, start, {});
-  return {unpack(found.solution, start.pixel), found.of_profile,
-          1 - found.of_profile / std::max(total_variation(profile), 1e-12),
+  const double variation = std::max(total_variation(profile), 1e-12);
+  const FitEquations found =
+      minimise(profile, digits, start, {.hopeless = (1 - kDecode.hopeless) * variation});
+  return {unpack(found.solution, start.pixel), found.of_profile, 1 - found.of_profile / variation,
           found.solution[kLogBlur] >= most_log_blur()};
 }
 

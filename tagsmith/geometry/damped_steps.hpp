@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -14,6 +15,9 @@ namespace tagsmith::detail {
 struct DampedSteps {
   int most = 40;          // steps, those that were not taken included
   double settled = 3e-5;  // of the cost: a step that gains or promises less is the last
+  // While the cost is greater than this, a step that gains a thousandth of it is the last: where
+  // the model explains so little, its parameters are not needed.
+  double hopeless = std::numeric_limits<double>::infinity();
   double damping = 1e-3;  // of the first step
 };
 
@@ -27,6 +31,7 @@ template <class Parameters, class EquationsAt, class Constrain>
 auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt& equations_at,
                      const Constrain& constrain) {
   constexpr double kMostDamping = 1e4;
+  const auto settled_at = [&](double cost) { return cost > steps.hopeless ? 1e-3 : steps.settled; };
   double damping = steps.damping;
   auto now = equations_at(p);
   for (int step = 0; step < steps.most && damping < kMostDamping; ++step) {
@@ -40,7 +45,7 @@ auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt&
     Parameters next = p + move;
     constrain(next);
     // A step so small gains what the normal equations predict, as far as rounding shows it.
-    if (move.dot(now.right) < steps.settled * now.cost) {
+    if (move.dot(now.right) < settled_at(now.cost) * now.cost) {
       p = next;
       break;
     }
@@ -49,7 +54,7 @@ auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt&
       damping *= 10;
       continue;
     }
-    const bool settled = now.cost - tried.cost < steps.settled * tried.cost;
+    const bool settled = now.cost - tried.cost < settled_at(tried.cost) * tried.cost;
     p = next;
     now = std::move(tried);
     damping = std::max(1e-6, damping * 0.2);
