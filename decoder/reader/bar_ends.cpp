@@ -418,6 +418,14 @@ FrameByEnds frame_by_ends(const Quad& corners, std::size_t side, const BarField&
           std::hypot(ends.sigma_px / seen_share, kBarEnds.layout * height_of(completed))};
 }
 
+std::optional<double> off_bar_ends(const BothEnds& ends, std::size_t side, const Quad& corners,
+                                   const SymbolLayout& layout) {
+  const auto& seen = side == 0 ? ends.upper : ends.lower;
+  if (!seen) return std::nullopt;
+  const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
+  return missed_px(ends.field, *seen, corners, v);
+}
+
 EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
                               const SymbolLayout& layout) {
   const auto& [seen_in, upper, lower] = ends;

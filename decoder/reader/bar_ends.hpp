@@ -85,6 +85,11 @@ struct EndsVerdict {
 EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
                               const SymbolLayout& layout);
 
+// How far the bars' ends beside the upper (0) or lower (2) side are from where a frame of these
+// corners has them, pixels; nothing where they are not in sight.
+std::optional<double> off_bar_ends(const BothEnds& ends, std::size_t side, const Quad& corners,
+                                   const SymbolLayout& layout);
+
 // Whether a stroke like the frame's is visible beyond the upper (0) or lower (2) side of a frame of
 // which that side was hidden: then something across the bars was mistaken for their ends.
 bool is_stroke_beyond(const GrayView& image, const BarField& field, const SymbolLayout& layout,

@@ -96,6 +96,10 @@ std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
   return is_convex(whole) ? std::optional(whole) : std::nullopt;
 }
 
+bool is_in_picture(const GrayView& image, PixelPoint at) {
+  return at.x >= -0.5 && at.y >= -0.5 && at.x <= image.width - 0.5 && at.y <= image.height - 0.5;
+}
+
 std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& corners,
                                           const FrameShape& shape, const LensDistortion& lens,
                                           bool was_sharpened) {

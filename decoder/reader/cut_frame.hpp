@@ -42,4 +42,7 @@ std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& cor
                                           const FrameShape& shape, const LensDistortion& lens,
                                           bool was_sharpened = false);
 
+// Whether the picture shows a place.
+bool is_in_picture(const GrayView& image, PixelPoint at);
+
 }  // namespace tagsmith::detail

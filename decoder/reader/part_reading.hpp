@@ -20,7 +20,7 @@ namespace tagsmith::detail {
 struct PartReading {
   std::vector<PartCandidate> candidates;     // of the code book, likeliest first; not empty
   std::array<bool, kDigitCount> in_sight{};  // digits that are seen wholly, and certain
-  double share = 0;                          // of the symbol's length that is in sight
+  double share = 0;  // of the symbol's length that is in sight; cut above or below, of the height
   // From P on. What is out of sight follows from the sides and bars in sight.
   FrameCorners corners{};
   std::array<bool, 4> corner_in_sight{};

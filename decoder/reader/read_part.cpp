@@ -17,6 +17,7 @@
 #include "decoder/reader/cut_frame.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/occluders.hpp"
+#include "decoder/reader/part_of_height.hpp"
 #include "decoder/reader/placed_corners.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
@@ -291,10 +292,6 @@ bool is_believed(const GrayView& image, const Part& part, const ReadOptions& opt
           !halves_contradict(part.rows, part.decoding.decoding));
 }
 
-bool in_picture(const GrayView& image, PixelPoint at) {
-  return at.x >= -0.5 && at.y >= -0.5 && at.x <= image.width - 0.5 && at.y <= image.height - 0.5;
-}
-
 std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
   const Decoding& decoding = part.decoding.decoding;
   const FarSide far = far_side_of(part);
@@ -313,7 +310,7 @@ std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
   PartReading reading;
   reading.corners = turned_to(frame, first).corners;
   for (std::size_t i = 0; i < 4; ++i) {
-    reading.corner_in_sight[i] = in_picture(image, reading.corners[i]);
+    reading.corner_in_sight[i] = is_in_picture(image, reading.corners[i]);
   }
   // A lens that is not as stated bends the sides, too, and the bars show it.
   reading.corner_covariance = far.contradiction * covariance_by_frame(image, symbol);
@@ -326,9 +323,8 @@ std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
 }
 
 // The part in a picture as it is.
-std::optional<Part> believed_part(const GrayView& image, const Quad& cut,
+std::optional<Part> believed_part(const GrayView& image, const Quad& cut, const Camera& camera,
                                   const ReadOptions& options) {
-  const Camera camera = camera_for(image, options);
   const LensDistortion lens(camera);
   for (const SymbolLayout& layout : options.layouts) {
     const auto rough = completed_by_shape(cut, layout.frame, camera);
@@ -424,8 +420,13 @@ std::string digits_in_sight(const PartReading& part) {
 // Why: docs/decisions/0005-parts-and-frameless-symbols.md.
 std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
                                      const ReadOptions& options) {
-  const std::optional<Part> part = believed_part(image, cut, options);
-  if (!part) return std::nullopt;
+  const Camera camera = camera_for(image, options);
+  const std::vector<std::size_t> first = possible_first_corners(image, cut);
+  std::optional<Part> part;
+  if (first.front() == 0) part = believed_part(image, cut, camera, options);
+  if (!part && first.back() == 0) return std::nullopt;
+  if (!part)
+    return read_part_of_height(image, cut, camera, options);  // the bars run into the border
   const auto halos = sharpening_of(image, part->frame, part->layout.frame);
   if (!halos) return reading_of(image, *part);
   UnsharpenedImage plain(image);
