@@ -147,7 +147,7 @@ std::string check_third_party(std::string_view file, std::string_view header) {
     if (matches(layer, kSystemFolders)) return {};
     return "system headers are allowed only in " + std::string(kSystemFolders);
   }
-  return "not in the house's list of third-party headers";
+  return "not in the house's list of third-party headers (kThirdParty in tests/house/house.cpp)";
 }
 
 // What is wrong with a line of code that is no include; empty when nothing is.

@@ -105,7 +105,8 @@ TEST_CASE("every source file is built by its folder's CMakeLists.txt") {
     const fs::path& folder = entry.first;
     const std::string list = contents(folder / "CMakeLists.txt");
     const std::vector<std::string> unlisted = unlisted_sources(list, entry.second);
-    CHECK_MESSAGE(unlisted.empty(), folder.string() << ":\n" << joined(unlisted));
+    CHECK_MESSAGE(unlisted.empty(), folder.string() << "/CMakeLists.txt does not list:\n"
+                                                    << joined(unlisted));
   }
 }
 
@@ -200,8 +201,11 @@ TEST_CASE("the reader has no more thresholds than it needs, all of them in struc
   }
   MESSAGE(tuned << " values of tuning, " << named << " other constants");
   CHECK(tuned > 0);
-  CHECK(tuned <= kMostTuned);
-  CHECK(named <= kMostNamed);
+  const std::string remedy =
+      " in decoder/feature_frame, scan and reader: let it take the place of another, or raise the "
+      "limit in this test with a reason";
+  CHECK_MESSAGE(tuned <= kMostTuned, tuned << " values of tuning, limit " << kMostTuned << remedy);
+  CHECK_MESSAGE(named <= kMostNamed, named << " other constants, limit " << kMostNamed << remedy);
 }
 
 TEST_CASE("the top of the project holds exactly the folders of the house") {
@@ -221,7 +225,10 @@ TEST_CASE("docs/architecture.md lists the layers in the order that is kept here"
   std::size_t place = 0;
   for (const std::string_view layer : layers()) {
     const std::size_t next = text.find("\n" + std::string(layer), place);
-    CHECK_MESSAGE(next != std::string::npos, layer);
+    CHECK_MESSAGE(next != std::string::npos,
+                  "after the layer before it in kLayers of tests/house/house.cpp, "
+                  "docs/architecture.md has no line that begins with "
+                      << layer);
     if (next != std::string::npos) place = next;
   }
 }
@@ -234,7 +241,8 @@ TEST_CASE("every decision record has its three parts, in this order") {
     std::size_t place = 0;
     for (const std::string part : {"Situation", "Decision", "Consequences"}) {
       place = text.find("\n\n**" + part + ".**", place);
-      REQUIRE_MESSAGE(place != std::string::npos, part);
+      REQUIRE_MESSAGE(place != std::string::npos,
+                      "no paragraph begins with **" << part << ".** where it should");
     }
     ++records;
   }
