@@ -49,15 +49,15 @@ TESTS = {
     "decoder/localize": ["localize", "adjust"],
     "decoder/plates": ["plates", "adjust"],
     "decoder/python": ["python"],
-    "decoder/scan": ["scan_stages", "reader"],
+    "decoder/scan": ["scan", "reader"],
     "decoder/simulate": ["simulate", "simulate_command"],
     "decoder/verify": ["verify", "adjust", "verify_command"],
     "decoder/calibrate": ["calibrate", "board", "printer", "calibrate_command"],
 }
-# The folders of tests that are called otherwise; tests/verify has one that is called scan.
+# The folders of tests that are called otherwise.
 FOLDERS = {"board_command": "board", "interface": "library", "plan_command": "placement",
-           "plan_page": "placement", "print": "render", "report": "verify", "scan_stages": "scan",
-           "simulate_command": "simulate", "verify_command": "verify"}
+           "plan_page": "placement", "print": "render", "report": "verify",
+           "simulate_command": "simulate", "verify_command": "verify", "verify_scan": "verify"}
 
 # Binary operators stand between blanks, template brackets do not: clang-format sees to it.
 SWAPS = {
