@@ -2,7 +2,8 @@
 // Where in a picture tags may be. A proposer has the places that it finds considered one by one, so
 // that the result at one place is known before it looks for the next. To add one, write a function
 // here and name it in a list of reader.cpp; what it needs to know from the caller is a member of
-// ReadOptions.
+// ReadOptions. A costly one needs a bound and a reason to run:
+// docs/decisions/0008-search-and-its-cost.md.
 #pragma once
 
 #include <functional>
@@ -20,7 +21,7 @@ struct SearchContext {
   const ReadOptions& options;
   const TagHypotheses& found;                     // the results of the proposals so far
   std::function<void(const Proposal&)> consider;  // reads a tag there, if there is one
-  bool is_searched = false;                       // the whole picture, for outlines
+  bool is_searched = false;                       // the whole picture; else no closer look follows
 };
 
 using Proposer = void (*)(SearchContext& search);

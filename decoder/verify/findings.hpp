@@ -2,7 +2,7 @@
 // What is wrong with the tags of a picture: one function for each kind of finding, in findings.cpp
 // or, where it measures much, in frame_bow.hpp or hanging.hpp. To add one, write it, name it in the
 // list in findings.cpp, and describe its rule in docs/verify-rules.md, which the build takes into
-// the program.
+// the program. What it needs to have seen of a tag is a member of TagEvidence (evidence.hpp).
 #pragma once
 
 #include <optional>
