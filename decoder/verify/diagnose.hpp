@@ -16,12 +16,11 @@ struct Diagnosis {
   std::string words;  // what was measured and its limit
 };
 
-// The reason why a refused tag cannot be read: the first that applies of end-on, too small, too
-// dark, glare, low contrast, bars grown, covered, blurred; else `undecodable`, with what is
-// suspected. In a photo it is glare, too, when white at the end of the camera's scale leaves bars
-// narrow: before bars grown, and before the blur that the bars alone show. `orientation` of the
-// picture (EXIF): places on a plate are described as in the upright picture; nothing = not known,
-// then the stored picture's own up is used and named.
+// The reason why a refused tag cannot be read: the first that applies, in the order of kJudges
+// (diagnose.cpp); else `undecodable`, with what is suspected. In a photo it is glare, too, when
+// white at the end of the camera's scale leaves bars narrow. `orientation` of the picture (EXIF):
+// places on a plate are described as in the upright picture; nothing = not known, then the stored
+// picture's own up is used and named.
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
                    const std::optional<int>& orientation = 1, bool is_photo = true);
 
