@@ -27,7 +27,7 @@ namespace tagsmith::detail {
 enum class TagStatus {
   ok,          // the survey has this tag
   unknown,     // a good reading of a code that the survey does not have
-  misprinted,  // the print is wrong: check digit, content other than the manifest says, size
+  misprinted,  // it reads, and print or plate is wrong: size, check digit, file, bent, upside down
   unreadable,  // a tag was found and refused
   duplicate,   // the same tag stands elsewhere in the same picture or print file
   cut_off,     // a tag at the picture's edge, not wholly in view; no fault of the tag
