@@ -67,8 +67,14 @@ void add_unsurveyed(Observation& observation, const RigCamera& camera, const Sur
 void add_parts(Observation& observation, const ReadResult& result, const RigCamera& camera,
                const std::vector<Survey>& surveys) {
   for (const PartReading& reading : result.parts) {
-    SeenPart part{
-        camera.name, {}, seen_corners(reading.corners, reading.corner_covariance), reading.share};
+    const SeenCorners seen = seen_corners(reading.corners, reading.corner_covariance);
+    if (reading.shows_all_bars) {
+      for (const auto& [survey, tag] : find_tags(surveys, reading.candidates.front().digits)) {
+        observation.tags.push_back({camera.name, survey, *tag, seen, std::nullopt});
+      }
+      continue;
+    }
+    SeenPart part{camera.name, {}, seen, reading.share};
     for (const PartCandidate& candidate : reading.candidates) {
       std::ranges::copy(find_tags(surveys, candidate.digits), std::back_inserter(part.candidates));
     }

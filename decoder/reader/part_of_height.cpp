@@ -185,6 +185,7 @@ std::optional<PartReading> reading_of_height(const CutView& view, const SymbolHy
   PartReading reading;
   reading.candidates = {{symbol.decoding.digits}};
   reading.in_sight.fill(true);
+  reading.shows_all_bars = true;
   reading.corners = placed->corners;
   for (std::size_t i = 0; i < 4; ++i) {
     reading.corner_in_sight[i] = is_in_picture(view.image, reading.corners[i]);

@@ -20,6 +20,9 @@ namespace tagsmith::detail {
 struct PartReading {
   std::vector<PartCandidate> candidates;     // of the code book, likeliest first; not empty
   std::array<bool, kDigitCount> in_sight{};  // digits that are seen wholly, and certain
+  // All bars are in sight between both sides beside them, over a part of their height: the digits
+  // identify the tag as those of a whole one do.
+  bool shows_all_bars = false;
   double share = 0;  // of the symbol's length that is in sight; cut above or below, of the height
   // From P on. What is out of sight follows from the sides and bars in sight.
   FrameCorners corners{};

@@ -7,7 +7,10 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/image/load.hpp"
 #include "decoder/localize/joint_method.hpp"
+#include "decoder/localize/observation.hpp"
+#include "decoder/reader/reader.hpp"
 #include "tests/localize/site.hpp"
 
 using namespace tagsmith::detail;
@@ -107,4 +110,45 @@ TEST_CASE("a part that contradicts the only whole tag withholds the position") {
   Seen seen;
   seen.with_part.parts.front().candidates = {{0, seen.other()}};
   CHECK_FALSE(localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig).position_in_grid);
+}
+
+TEST_CASE("a part that shows all bars is its tag, another is a part") {
+  const Seen seen;
+  const PlacedTag& tag = *seen.tag(seen.whole.tags.back().tag.name);
+  ReadResult result;
+  PartReading& part = result.parts.emplace_back();
+  part.candidates = {{tag.digits}};
+  part.in_sight.fill(true);
+  part.shows_all_bars = true;
+  const auto observed = [&] {
+    Observation observation;
+    add_result(observation, result, "photo", seen.site.rig.cameras.front(), {seen.site.survey}, {});
+    return observation;
+  };
+  const Observation all = observed();
+  REQUIRE(all.tags.size() == 1);
+  CHECK(all.tags.front().tag.name == tag.name);
+  CHECK_FALSE(all.tags.front().is_part);
+  CHECK(all.parts.empty());
+  part.shows_all_bars = false;
+  CHECK(observed().tags.empty());
+  CHECK(observed().parts.size() == 1);
+}
+
+TEST_CASE("photos that cut all their tags below locate the vehicle to a millimetre") {
+  Site site = site_named("corridor");
+  Observation row;
+  row.ranges = {{"d", 0.906}};
+  for (RigCamera& camera : site.rig.cameras) {
+    const std::string name = "surveys/corridor/photos/corridor_01_" + camera.name + ".jpg";
+    const auto photo = load_gray_image(name);
+    REQUIRE(photo);
+    GrayView upper = photo->view();
+    upper.height = camera.camera.height = 440;
+    observe_image(row, camera, upper, name, {site.survey}, {read_tags});
+  }
+  CHECK(row.tags.size() == 2);
+  const Fix fix = localize_jointly(row, {site.survey}, site.rig);
+  REQUIRE(fix.position_in_grid);
+  CHECK((*fix.position_in_grid - Eigen::Vector3d(1, -0.5, 0.24)).norm() < 1e-3);
 }
