@@ -9,6 +9,7 @@
 
 #include <libheif/heif.h>
 
+#include "decoder/image/bytes.hpp"
 #include "tagsmith/base/late_library.hpp"
 
 namespace tagsmith::detail {
@@ -137,12 +138,9 @@ Result<Decoded> decode(std::string_view bytes, double most_pixels, heif_colorspa
 
 // --- boxes ---
 
+// 0 where the bytes end before.
 std::uint32_t number(std::string_view bytes, std::size_t at, std::size_t size) {
-  std::uint32_t value = 0;
-  for (std::size_t i = at; i < at + size && i < bytes.size(); ++i) {
-    value = value << 8U | static_cast<unsigned char>(bytes[i]);
-  }
-  return value;
+  return Bytes(bytes, true).number(at, size);
 }
 
 // ISO/IEC 14496-12, 4.2: a size of 4 bytes that counts itself, a type of 4, contents.

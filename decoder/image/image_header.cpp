@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "decoder/image/bytes.hpp"
+#include "decoder/image/png_chunks.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -151,7 +152,7 @@ std::optional<ImageHeader> read_bmp(std::string_view text) {
 }  // namespace
 
 std::optional<ImageHeader> read_image_header(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG\r\n\x1A\n"sv)) return read_png(bytes);
+  if (is_png(bytes)) return read_png(bytes);
   if (bytes.starts_with("\xFF\xD8\xFF"sv)) return read_jpeg(bytes);
   if (bytes.starts_with("RIFF"sv) && bytes.size() > 16 && bytes.substr(8, 4) == "WEBP"sv) {
     return read_webp(bytes);

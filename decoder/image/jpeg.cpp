@@ -5,6 +5,7 @@
 #include <csetjmp>
 #include <cstddef>
 #include <jpeglib.h>
+#include <utility>
 
 namespace tagsmith::detail {
 namespace {
@@ -87,45 +88,42 @@ class JpegDecoder {
   bool is_made_ = false;
 };
 
-// False when the file has components that are not decoded here.
-Result<bool> begin(JpegDecoder& decoder, std::string_view bytes, double most_pixels) {
+using Samples = std::vector<std::uint8_t>;
+
+// All samples, so many a pixel; nothing when the file has components that are not decoded here.
+Result<std::optional<Samples>> samples_of(JpegDecoder& decoder, std::string_view bytes,
+                                          double most_pixels, J_COLOR_SPACE colours,
+                                          std::size_t samples_a_pixel) {
   if (!decoder.read_header(bytes)) return fail(decoder.failure());
   // The decoder may find another header than the earlier check.
   if (static_cast<double>(decoder.width()) * decoder.height() > most_pixels) {
     return fail("it has too many pixels");
   }
-  return decoder.components() == 1 || decoder.components() == 3;
-}
-
-std::size_t pixels_of(const JpegDecoder& decoder) {
-  return static_cast<std::size_t>(decoder.width()) * static_cast<std::size_t>(decoder.height());
+  if (decoder.components() != 1 && decoder.components() != 3) return std::nullopt;
+  Samples samples(samples_a_pixel * static_cast<std::size_t>(decoder.width()) *
+                  static_cast<std::size_t>(decoder.height()));
+  if (!decoder.read_rows(colours, samples.data())) return fail(decoder.failure());
+  return samples;
 }
 
 }  // namespace
 
 Result<std::optional<ColourImage>> decode_jpeg_colour(std::string_view bytes, double most_pixels) {
   JpegDecoder decoder;
-  const Result<bool> begun = begin(decoder, bytes, most_pixels);
-  if (!begun) return fail(begun);
-  if (!*begun) return std::nullopt;
-  ColourImage image{decoder.width(), decoder.height(), {}};
-  image.samples.resize(3 * pixels_of(decoder));
-  if (!decoder.read_rows(JCS_EXT_BGR, image.samples.data())) return fail(decoder.failure());
-  return std::optional(std::move(image));
+  auto samples = samples_of(decoder, bytes, most_pixels, JCS_EXT_BGR, 3);
+  if (!samples) return fail(samples);
+  if (!*samples) return std::nullopt;
+  return ColourImage{decoder.width(), decoder.height(), std::move(**samples)};
 }
 
 Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels) {
   JpegDecoder decoder;
-  const Result<bool> begun = begin(decoder, bytes, most_pixels);
-  if (!begun) return fail(begun);
-  if (!*begun) return std::nullopt;
-  DecodedImage decoded{{decoder.width(), decoder.height(), {}}, ""};
-  decoded.image.samples.resize(pixels_of(decoder));
-  if (!decoder.read_rows(JCS_GRAYSCALE, decoded.image.samples.data())) {
-    return fail(decoder.failure());
-  }
+  auto samples = samples_of(decoder, bytes, most_pixels, JCS_GRAYSCALE, 1);
+  if (!samples) return fail(samples);
+  if (!*samples) return std::nullopt;
+  DecodedImage decoded{{decoder.width(), decoder.height(), std::move(**samples)}, ""};
   decoded.warning = decoder.warning();
-  return std::optional(std::move(decoded));
+  return decoded;
 }
 
 }  // namespace tagsmith::detail

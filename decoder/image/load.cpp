@@ -79,8 +79,6 @@ Result<GrayImage> decode_by_opencv(const std::string& bytes) {
     return copy_of(to_gray_8bit(image));
   } catch (const cv::Exception&) {
     return fail("cannot be decoded: it is damaged or cut short");
-  } catch (const std::bad_alloc&) {
-    return fail("is too large for the memory there is");
   }
 }
 
@@ -89,16 +87,18 @@ DecodedImage undamaged(GrayImage image) { return {std::move(image), ""}; }
 GrayImage image_of(DecodedImage decoded) { return std::move(decoded.image); }
 
 Result<DecodedImage> decode(const std::string& bytes) {
+  if (is_heif(bytes)) {
+    Result<GrayImage> image = decode_heif(bytes, kMaxImagePixels);
+    if (!image) return fail("cannot be decoded: " + image.error().message);
+    return undamaged(std::move(*image));
+  }
+  if (auto checked = check_header(bytes); !checked) return fail(checked);
   if (bytes.starts_with("\xFF\xD8\xFF")) {
-    try {
-      Result<std::optional<DecodedImage>> jpeg = decode_jpeg(bytes, kMaxImagePixels);
-      if (!jpeg) {
-        return fail("cannot be decoded, it is damaged or cut short: " + jpeg.error().message);
-      }
-      if (*jpeg) return std::move(**jpeg);
-    } catch (const std::bad_alloc&) {
-      return fail("is too large for the memory there is");
+    Result<std::optional<DecodedImage>> jpeg = decode_jpeg(bytes, kMaxImagePixels);
+    if (!jpeg) {
+      return fail("cannot be decoded, it is damaged or cut short: " + jpeg.error().message);
     }
+    if (*jpeg) return std::move(**jpeg);
   }
   if (is_png(bytes)) {
     const Result<std::string> pixels = png_of_pixels(bytes);
@@ -108,16 +108,6 @@ Result<DecodedImage> decode(const std::string& bytes) {
     return decode_by_opencv(*pixels).map(undamaged);
   }
   return decode_by_opencv(without_orientation(bytes)).map(undamaged);
-}
-
-Result<DecodedImage> decode_still(const std::string& name, const std::string& bytes) {
-  try {
-    return decode_heif(bytes, kMaxImagePixels).map(undamaged).map_error([&](const Error& error) {
-      return Error{name + ": cannot be decoded: " + error.message};
-    });
-  } catch (const std::bad_alloc&) {
-    return fail(name + ": is too large for the memory there is");
-  }
 }
 
 }  // namespace
@@ -137,13 +127,13 @@ Result<DecodedImage> decode_image(const std::string& name, const std::string& by
   if (is_video(bytes)) {
     return fail(name + ": is a video, expected pictures; " + kFramesOfVideo);
   }
-  if (is_heif(bytes)) return decode_still(name, bytes);
-  if (const auto header = check_header(bytes); !header) {
-    return fail(name + ": " + header.error().message);
+  try {
+    Result<DecodedImage> image = decode(bytes);
+    if (!image) return fail(name + ": " + image.error().message);
+    return image;
+  } catch (const std::bad_alloc&) {
+    return fail(name + ": is too large for the memory there is");
   }
-  Result<DecodedImage> image = decode(bytes);
-  if (!image) return fail(name + ": " + image.error().message);
-  return image;
 }
 
 Result<GrayImage> decode_gray_image(const std::string& name, const std::string& bytes) {

@@ -5,20 +5,14 @@
 #include <cstdint>
 #include <zlib.h>
 
+#include "decoder/image/bytes.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
 using namespace std::string_view_literals;
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1A\n"sv;
-
-std::uint32_t number_at(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = at; i < at + 4; ++i) {
-    value = value << 8U | static_cast<unsigned char>(bytes[i]);
-  }
-  return value;
-}
 
 // Of a chunk's type and data (ISO/IEC 15948, 5.5).
 std::uint32_t checksum_of(std::string_view bytes) {
@@ -38,13 +32,14 @@ bool is_png(std::string_view bytes) { return bytes.starts_with(kSignature); }
 Result<std::string> png_of_pixels(std::string_view bytes) {
   constexpr std::size_t kAround = 12;  // length, type, checksum
   std::string kept(bytes.substr(0, kSignature.size()));
+  Bytes numbers(bytes, true);
   for (std::size_t at = kSignature.size(); at < bytes.size();) {
     const std::size_t left = bytes.size() - at;
-    const std::size_t length = left < kAround ? 0 : number_at(bytes, at);
+    const std::size_t length = left < kAround ? 0 : numbers.number(at, 4);
     if (left < kAround || length > left - kAround) return fail("a chunk goes beyond its end");
     const std::string_view type = bytes.substr(at + 4, 4);
     if (makes_pixels(type)) {
-      if (checksum_of(bytes.substr(at + 4, 4 + length)) != number_at(bytes, at + 8 + length)) {
+      if (checksum_of(bytes.substr(at + 4, 4 + length)) != numbers.number(at + 8 + length, 4)) {
         return fail("the checksum of a chunk is wrong");
       }
       kept += bytes.substr(at, kAround + length);
