@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 
 #include "decoder/image/load.hpp"
-#include "decoder/image/tone_curve.hpp"
+#include "decoder/image/transform.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
@@ -208,15 +208,7 @@ bool is_in_pixels(const std::filesystem::path& path) {
 
 // A drawn pixel has the share of it that is paper, which is the light that it reflects: converted
 // to the sample that a camera would store for that light, as the reader expects.
-GrayImage as_photographed(GrayImage drawn) {
-  std::array<std::uint8_t, 256> stored{};
-  for (std::size_t i = 0; i < stored.size(); ++i) {
-    stored[i] = static_cast<std::uint8_t>(
-        std::lround(ToneCurve::srgb().sample_of(static_cast<double>(i) / 255)));
-  }
-  for (std::uint8_t& sample : drawn.samples) sample = stored[sample];
-  return drawn;
-}
+GrayImage as_photographed(const GrayImage& drawn) { return linear_as_srgb(drawn.view()); }
 
 // A page, or the part of it that `part` selects, at so many dots per inch.
 Result<PageImage> draw_page(const std::filesystem::path& path, int number, const std::string& dpi,
@@ -237,7 +229,7 @@ Result<PageImage> draw_page(const std::filesystem::path& path, int number, const
   if (!drawn) return fail(drawn);
   Result<GrayImage> image = decode_gray_image(path.string(), drawn->out);
   if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
-  return PageImage{as_photographed(std::move(*image)), kMetresPerInch / *parse_number(dpi),
+  return PageImage{as_photographed(*image), kMetresPerInch / *parse_number(dpi),
                    first_error(drawn->err)};
 }
 
@@ -324,7 +316,7 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
   }
   Result<GrayImage> image = decode_gray_image(path.string(), output->out);
   if (!image) return fail(image);
-  return PageImage{as_photographed(std::move(*image)), kMetresPerInch / dots_per_inch, {}};
+  return PageImage{as_photographed(*image), kMetresPerInch / dots_per_inch, {}};
 }
 
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
