@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <utility>
 
@@ -241,10 +240,9 @@ Result<MountingFit> fit_mounting(std::span<const Observation> rows, const Survey
   while (drive.stations.size() >= kLeastRows) {
     const auto fitted = fit_twice(survey, drive, start, sigmas_for(rig, held));
     if (!fitted) return fail("the mounting that fits the tags best was not found");
-    const std::vector<std::size_t> out =
-        leave_out_worst(*fitted, drive, usual_excess(*fitted, drive));
-    std::ranges::transform(left_out, out, left_out.begin(), std::plus<>{});
-    if (std::ranges::any_of(out, [](std::size_t count) { return count > 0; })) continue;
+    const std::vector<LeftOut> out = leave_out_worst(*fitted, drive, usual_excess(*fitted, drive));
+    for (const LeftOut& one : out) ++left_out[one.sighting.camera];
+    if (!out.empty()) continue;
     if (hold_worst(*fitted, held)) continue;
     MountingFit fit = result_of(*fitted, drive, survey, held, left_out);
     if (fit.sigma_factor <= kMostFactor) return fit;

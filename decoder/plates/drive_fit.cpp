@@ -326,7 +326,7 @@ double usual_excess(const DriveFit& fit, const Drive& drive) {
   return all.empty() ? 1 : std::max(1.0, quantile(all, 0.5) / kMedian);
 }
 
-std::vector<std::size_t> leave_out_worst(const DriveFit& fit, Drive& drive, double excess) {
+std::vector<LeftOut> leave_out_worst(const DriveFit& fit, Drive& drive, double excess) {
   constexpr double kNearWorst = 4;
   const std::vector<double> all = chi_squares(fit, drive);
   double worst = 0;
@@ -334,12 +334,12 @@ std::vector<std::size_t> leave_out_worst(const DriveFit& fit, Drive& drive, doub
     if (std::isfinite(value)) worst = std::max(worst, value);
   }
   const double limit = std::max(excess * chi_square_limit(kSightingRows, 3.5), worst / kNearWorst);
-  std::vector<std::size_t> left_out(fit.rig.cameras.size());
+  std::vector<LeftOut> left_out;
   auto next = all.begin();
-  for (std::size_t s = 0; s < drive.stations.size(); ++s) {
-    std::erase_if(drive.stations[s].sightings, [&](const Sighting& sighting) {
+  for (Station& station : drive.stations) {
+    std::erase_if(station.sightings, [&](const Sighting& sighting) {
       const bool out = !(*next++ <= limit);
-      if (out) ++left_out[sighting.camera];
+      if (out) left_out.push_back({station.name, sighting});
       return out;
     });
   }

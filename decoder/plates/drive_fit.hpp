@@ -81,9 +81,14 @@ Rig calibrated_by_plates(AdjustmentProblem problem);
 // least 1. It is raised by errors that the stated covariances leave out.
 double usual_excess(const DriveFit& fit, const Drive& drive);
 
+struct LeftOut {
+  std::string station;
+  Sighting sighting;
+};
+
 // Removes the worst sightings from the drive: those whose chi-square, divided by this excess, is
 // more than one in some thousands would have by chance; if others are far worse, only these,
-// because they spoil the fit of the rest. Returns the number removed, by camera.
-std::vector<std::size_t> leave_out_worst(const DriveFit& fit, Drive& drive, double excess);
+// because they spoil the fit of the rest. Returns them.
+std::vector<LeftOut> leave_out_worst(const DriveFit& fit, Drive& drive, double excess);
 
 }  // namespace tagsmith::detail

@@ -125,23 +125,20 @@ void keep_tied(Site& site) {
 
 // --- gross errors, before anything is adjusted ---
 
-// With how many others something agrees, minus those with which it does not.
-struct Votes {
-  int balance = 0;
-  void add(bool agrees) { balance += agrees ? 1 : -1; }
-};
+// Summed up: with how many others something agrees, minus those with which it does not.
+int vote(const SightedPair& pair) { return pair.agrees ? 1 : -1; }
 
 // Marks the plates that disagree with more than half of those that they were seen with, the worst
 // first.
 void mark_elsewhere(const std::vector<SightedPair>& pairs, std::vector<bool>& is_elsewhere) {
   while (true) {
-    std::vector<Votes> votes(is_elsewhere.size());
+    std::vector<int> votes(is_elsewhere.size());
     for (const SightedPair& pair : pairs) {
       if (is_elsewhere[pair.plates[0]] || is_elsewhere[pair.plates[1]]) continue;
-      for (const std::size_t plate : pair.plates) votes[plate].add(pair.agrees);
+      for (const std::size_t plate : pair.plates) votes[plate] += vote(pair);
     }
-    const auto worst = std::ranges::min_element(votes, {}, &Votes::balance);
-    if (worst == votes.end() || worst->balance >= 0) return;
+    const auto worst = std::ranges::min_element(votes);
+    if (worst == votes.end() || *worst >= 0) return;
     is_elsewhere[static_cast<std::size_t>(worst - votes.begin())] = true;
   }
 }
@@ -158,16 +155,16 @@ void find_gross_errors(const Rig& rig, Site& site) {
     site.is_control[i] = false;
     set_survey_sigma(site.drive.plates[i], kLooseSigma, kLooseAngle);
   }
-  std::map<std::pair<std::size_t, std::size_t>, Votes> votes;  // by station and sighting
+  std::map<std::pair<std::size_t, std::size_t>, int> votes;  // by station and sighting
   for (const SightedPair& pair : pairs) {
     if (site.is_elsewhere[pair.plates[0]] || site.is_elsewhere[pair.plates[1]]) continue;
     for (const std::size_t sighting : pair.sightings) {
-      votes[{pair.station, sighting}].add(pair.agrees);
+      votes[{pair.station, sighting}] += vote(pair);
     }
   }
   leave_out(site.drive, [&](std::size_t s, std::size_t i) {
     const auto found = votes.find({s, i});
-    if (found == votes.end() || found->second.balance >= 0) return false;
+    if (found == votes.end() || found->second >= 0) return false;
     const Station& station = problem.stations[s];
     site.left_out.push_back({station.name, problem.plates[station.sightings[i].plate].name});
     return true;
@@ -221,25 +218,17 @@ void take_places(const Adjustment& adjustment, Site& site) {
   }
 }
 
-std::multiset<std::pair<std::string, std::size_t>> sightings_of(const Drive& drive) {
-  std::multiset<std::pair<std::string, std::size_t>> all;
-  for (const Station& station : drive.stations) {
-    for (const Sighting& sighting : station.sightings) all.emplace(station.name, sighting.plate);
-  }
-  return all;
-}
-
 // Leaves out what the adjustment contradicts. False when there is nothing to leave out.
 bool leave_out_wrong(const Rig& rig, const Adjustment& adjustment, Site& site) {
   const CalibrationLayout layout = calibration_layout(rig);
   const DriveFit fit{fitted_rig(rig, layout, adjustment.calibration), layout, adjustment};
-  auto before = sightings_of(site.drive);
-  leave_out_worst(fit, site.drive, usual_excess(fit, site.drive));
-  for (const auto& kept : sightings_of(site.drive)) before.erase(before.find(kept));
-  for (const auto& [station, plate] : before) {
-    site.left_out.push_back({station, site.drive.plates[plate].name});
+  std::vector<LeftOut> wrong = leave_out_worst(fit, site.drive, usual_excess(fit, site.drive));
+  std::ranges::stable_sort(
+      wrong, {}, [](const LeftOut& one) { return std::pair(one.station, one.sighting.plate); });
+  for (const auto& [station, sighting] : wrong) {
+    site.left_out.push_back({station, site.drive.plates[sighting.plate].name});
   }
-  if (before.empty()) return false;
+  if (wrong.empty()) return false;
   keep_tied(site);
   return true;
 }
