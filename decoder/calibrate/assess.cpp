@@ -26,19 +26,18 @@ struct Case {
   const CameraCalibration& calibration;
   std::span<const BoardView> views;
   std::span<const Board> boards;
-  const CalibrationLimits& limits;
   const RayGrid& grid;
   double focal_sigma = 0;
 
-  double refused_ray_px() const { return limits.refused_ray * calibration.camera.width; }
+  double refused_ray_px() const { return kRefusedRay * calibration.camera.width; }
 
   // Whether rays or focal length are more uncertain than they should be, and how bad that is.
   CalibrationTrust precision() const {
     const double worst = grid.worst_sigma_px();
-    if (focal_sigma > limits.refused_focal || worst > refused_ray_px()) {
+    if (focal_sigma > kRefusedFocal || worst > refused_ray_px()) {
       return CalibrationTrust::refused;
     }
-    if (focal_sigma > limits.weak_focal || worst > limits.weak_ray_px) {
+    if (focal_sigma > kWeakFocal || worst > kWeakRay) {
       return CalibrationTrust::weak;
     }
     return CalibrationTrust::good;
@@ -46,18 +45,6 @@ struct Case {
 };
 
 using Findings = std::vector<CalibrationFinding>;
-
-CalibrationFinding finding(CalibrationIssue issue, CalibrationTrust trust, double measured,
-                           double limit, std::string message, std::string remedy) {
-  CalibrationFinding one;
-  one.issue = issue;
-  one.trust = trust;
-  one.measured = measured;
-  one.limit = limit;
-  one.message = std::move(message);
-  one.remedy = std::move(remedy);
-  return one;
-}
 
 std::size_t photos_used(const CameraCalibration& calibration) {
   std::set<std::size_t> views;
@@ -70,33 +57,32 @@ std::size_t photos_used(const CameraCalibration& calibration) {
 // --- precision, and what is missing ---
 
 void find_focal(const Case& c, Findings& findings) {
-  if (c.focal_sigma <= c.limits.weak_focal) return;
-  const bool refused = c.focal_sigma > c.limits.refused_focal;
-  const double limit = refused ? c.limits.refused_focal : c.limits.weak_focal;
-  findings.push_back(finding(
-      CalibrationIssue::focal_unknown, refused ? CalibrationTrust::refused : CalibrationTrust::weak,
-      c.focal_sigma, limit,
-      fmt::format("the focal length is known to {:.2g} %, expected {:.2g} % or better",
-                  100 * c.focal_sigma, 100 * limit),
-      "take more photos, with the board tilted by 30 to 45 degrees to each side and both ways"));
+  if (c.focal_sigma <= kWeakFocal) return;
+  const bool refused = c.focal_sigma > kRefusedFocal;
+  const double limit = refused ? kRefusedFocal : kWeakFocal;
+  findings.push_back(
+      {CalibrationIssue::focal_unknown,
+       refused ? CalibrationTrust::refused : CalibrationTrust::weak, c.focal_sigma, limit,
+       fmt::format("the focal length is known to {:.2g} %, expected {:.2g} % or better",
+                   100 * c.focal_sigma, 100 * limit),
+       "take more photos, with the board tilted by 30 to 45 degrees to each side and both ways"});
 }
 
 void find_rays(const Case& c, Findings& findings) {
   const double worst = c.grid.worst_sigma_px();
-  if (worst <= c.limits.weak_ray_px) return;
+  if (worst <= kWeakRay) return;
   const bool refused = worst > c.refused_ray_px();
-  const double limit = refused ? c.refused_ray_px() : c.limits.weak_ray_px;
+  const double limit = refused ? c.refused_ray_px() : kWeakRay;
   const auto cell = std::ranges::max_element(c.grid.cells, {}, &RayGrid::Cell::worst_sigma_px);
   const auto place = static_cast<std::size_t>(cell - c.grid.cells.begin());
   const std::string measured =
       std::isfinite(worst) ? fmt::format("known to {:.2g} px", worst) : "not known at all";
-  findings.push_back(
-      finding(CalibrationIssue::rays_unknown,
-              refused ? CalibrationTrust::refused : CalibrationTrust::weak, worst, limit,
-              fmt::format("the rays at the {} of the picture are {}, expected {:.2g} "
-                          "px or better",
-                          cell_name(place), measured, limit),
-              "take more photos with the board there"));
+  findings.push_back({CalibrationIssue::rays_unknown,
+                      refused ? CalibrationTrust::refused : CalibrationTrust::weak, worst, limit,
+                      fmt::format("the rays at the {} of the picture are {}, expected {:.2g} "
+                                  "px or better",
+                                  cell_name(place), measured, limit),
+                      "take more photos with the board there"});
 }
 
 // "upper left, left and lower left"
@@ -115,16 +101,16 @@ void find_uncovered(const Case& c, Findings& findings) {
   double worst = 0;
   for (std::size_t i = 0; i < c.grid.cells.size(); ++i) {
     const RayGrid::Cell& cell = c.grid.cells[i];
-    if (!cell.has_ray || cell.corners > 0 || cell.worst_sigma_px <= c.limits.weak_ray_px) continue;
+    if (!cell.has_ray || cell.corners > 0 || cell.worst_sigma_px <= kWeakRay) continue;
     cells.push_back(i);
     worst = std::max(worst, cell.worst_sigma_px);
   }
   if (cells.empty()) return;
   const auto trust =
       worst > c.refused_ray_px() ? CalibrationTrust::refused : CalibrationTrust::weak;
-  findings.push_back(finding(CalibrationIssue::not_covered, trust, worst, c.limits.weak_ray_px,
-                             fmt::format("no tag was seen at the {} of the picture", listed(cells)),
-                             "take three photos with the board there"));
+  findings.push_back({CalibrationIssue::not_covered, trust, worst, kWeakRay,
+                      fmt::format("no tag was seen at the {} of the picture", listed(cells)),
+                      "take three photos with the board there"});
   findings.back().cells = std::move(cells);
 }
 
@@ -135,10 +121,10 @@ void find_too_few(const Case& c, Findings& findings) {
   if (used >= kEnough || (precision == CalibrationTrust::good && used >= 3)) return;
   // Two photos leave no redundancy that would show a bent board or another zoom.
   const auto trust = used < 3 ? CalibrationTrust::refused : CalibrationTrust::good;
-  findings.push_back(finding(CalibrationIssue::too_few_photos, trust, static_cast<double>(used),
-                             kEnough, fmt::format("{} photos were used, expected 10 or more", used),
-                             "take 15 photos: the board near and far, in the middle and at each "
-                             "corner of the picture, tilted to all sides"));
+  findings.push_back({CalibrationIssue::too_few_photos, trust, static_cast<double>(used), kEnough,
+                      fmt::format("{} photos were used, expected 10 or more", used),
+                      "take 15 photos: the board near and far, in the middle and at each "
+                      "corner of the picture, tilted to all sides"});
 }
 
 // The tilt that all but two photos stay below.
@@ -153,13 +139,13 @@ double usual_most_tilt(const CameraCalibration& calibration) {
 
 void find_frontal(const Case& c, Findings& findings) {
   const double tilt = usual_most_tilt(c.calibration);
-  if (c.focal_sigma <= c.limits.weak_focal || tilt >= kLeastTilt) return;
+  if (c.focal_sigma <= kWeakFocal || tilt >= kLeastTilt) return;
   findings.push_back(
-      finding(CalibrationIssue::all_frontal, CalibrationTrust::good, tilt, kLeastTilt,
-              fmt::format("the board was tilted by {:.0f} degrees at most: a longer focal length "
-                          "looks like a nearer board",
-                          degrees(tilt)),
-              "tilt the board by 30 to 45 degrees, to each side and both ways"));
+      {CalibrationIssue::all_frontal, CalibrationTrust::good, tilt, kLeastTilt,
+       fmt::format("the board was tilted by {:.0f} degrees at most: a longer focal length "
+                   "looks like a nearer board",
+                   degrees(tilt)),
+       "tilt the board by 30 to 45 degrees, to each side and both ways"});
 }
 
 // --- contradictions ---
@@ -188,15 +174,15 @@ CalibrationTrust trust_in_zoomed(const CameraCalibration& calibration) {
 
 void find_zoomed(const Case& c, const CalibratedSighting& sighting, Findings& findings) {
   findings.push_back(
-      finding(CalibrationIssue::photo_zoomed,
-              sighting.used ? trust_in_zoomed(c.calibration) : CalibrationTrust::good,
-              sighting.focal_change, c.limits.weak_focal,
-              fmt::format("{}: by itself it has a focal length {:+.2f} % off ({:.2f} % standard "
-                          "deviation){}",
-                          c.views[sighting.view].file, 100 * sighting.focal_change,
-                          100 * sighting.focal_sigma, sighting.used ? "" : "; it was left out"),
-              "switch autofocus, zoom and image stabilisation off, and take the photos again"));
-  findings.back().view = sighting.view;
+      {CalibrationIssue::photo_zoomed,
+       sighting.used ? trust_in_zoomed(c.calibration) : CalibrationTrust::good,
+       sighting.own_camera.focal_change, kWeakFocal,
+       fmt::format("{}: by itself it has a focal length {:+.2f} % off ({:.2f} % standard "
+                   "deviation){}",
+                   c.views[sighting.view].file, 100 * sighting.own_camera.focal_change,
+                   100 * sighting.own_camera.focal_sigma, sighting.used ? "" : "; it was left out"),
+       "switch autofocus, zoom and image stabilisation off, and take the photos again",
+       sighting.view});
 }
 
 // Photos that do not fit, and those that would fit with another focal length.
@@ -213,13 +199,12 @@ void find_bad_photos(const Case& c, Findings& findings) {
     const bool by_chance =
         degrees <= 0 || sighting.chi_square < usual * usual * chi_square_limit(degrees, kSure);
     if (sighting.used && (by_chance || misfit < kWorse * usual)) continue;
-    findings.push_back(finding(
-        CalibrationIssue::photo_contradicts, CalibrationTrust::good, misfit, kWorse * usual,
-        fmt::format("{}: its corners are {:.1f} times as far off as those of the other photos{}",
-                    c.views[sighting.view].file, misfit / usual,
-                    sighting.used ? "" : "; it was left out"),
-        "take it again, with camera and board at rest and in focus"));
-    findings.back().view = sighting.view;
+    findings.push_back(
+        {CalibrationIssue::photo_contradicts, CalibrationTrust::good, misfit, kWorse * usual,
+         fmt::format("{}: its corners are {:.1f} times as far off as those of the other photos{}",
+                     c.views[sighting.view].file, misfit / usual,
+                     sighting.used ? "" : "; it was left out"),
+         "take it again, with camera and board at rest and in focus", sighting.view});
   }
 }
 
@@ -229,16 +214,16 @@ void find_differing(const Case& c, Findings& findings) {
   const CameraScatter scatter = camera_scatter(c.calibration.sightings);
   if (scatter.chi_square <= scatter.limit()) return;
   const double of_chance = std::sqrt(scatter.limit() / scatter.degrees);
-  findings.push_back(finding(
-      CalibrationIssue::photos_differ, CalibrationTrust::weak, c.calibration.photo_factor,
-      of_chance,
-      fmt::format(
-          "focal length and principal point differ from photo to photo {:.1f} times as much "
-          "as chance lets them",
-          c.calibration.photo_factor),
-      "calibrate each camera by itself, switch autofocus, zoom and image stabilisation off, see "
-      "that "
-      "the board does not bend, and take the photos again"));
+  findings.push_back(
+      {CalibrationIssue::photos_differ, CalibrationTrust::weak, c.calibration.photo_factor,
+       of_chance,
+       fmt::format(
+           "focal length and principal point differ from photo to photo {:.1f} times as much "
+           "as chance lets them",
+           c.calibration.photo_factor),
+       "calibrate each camera by itself, switch autofocus, zoom and image stabilisation off, see "
+       "that "
+       "the board does not bend, and take the photos again"});
 }
 
 // Where many photos are left out, the wrong ones may be among the rest.
@@ -250,24 +235,24 @@ void find_left_out(const Case& c, Findings& findings) {
       std::ranges::count_if(residuals, [](const TagResidual& tag) { return !tag.used; }));
   const double share = out / static_cast<double>(residuals.size());
   if (share <= kMany) return;
-  findings.push_back(finding(
-      CalibrationIssue::tags_left_out,
-      share > kMost ? CalibrationTrust::refused : CalibrationTrust::weak, share, kMany,
-      fmt::format("{:.0f} % of the tags were left out because they contradict the others",
-                  100 * share),
-      "see that the board is flat and rigid, that nothing moves, and that the camera keeps its "
-      "focus"));
+  findings.push_back(
+      {CalibrationIssue::tags_left_out,
+       share > kMost ? CalibrationTrust::refused : CalibrationTrust::weak, share, kMany,
+       fmt::format("{:.0f} % of the tags were left out because they contradict the others",
+                   100 * share),
+       "see that the board is flat and rigid, that nothing moves, and that the camera keeps its "
+       "focus"});
 }
 
 void find_large_residuals(const Case& c, Findings& findings) {
   constexpr double kMuch = 3;
   const double factor = c.calibration.sigma_factor;
   if (factor <= kMuch) return;
-  findings.push_back(finding(
-      CalibrationIssue::residuals_larger, CalibrationTrust::weak, factor, kMuch,
-      fmt::format("the corners are {:.1f} times as far off as the pictures explain", factor),
-      "see that the board is flat and rigid and the file is the one it was printed from; a "
-      "lens that no model fits needs more photos"));
+  findings.push_back(
+      {CalibrationIssue::residuals_larger, CalibrationTrust::weak, factor, kMuch,
+       fmt::format("the corners are {:.1f} times as far off as the pictures explain", factor),
+       "see that the board is flat and rigid and the file is the one it was printed from; a "
+       "lens that no model fits needs more photos"});
 }
 
 // --- boards ---
@@ -280,11 +265,11 @@ void find_bow(const Case& c, std::size_t index, Findings& findings) {
   const double bow = board.shape.bow.cwiseAbs().maxCoeff(&place);
   const double side = std::max(c.boards[index].width, c.boards[index].height);
   if (bow <= kSure * board.sigma.bow[place] || bow <= kNoticed * side) return;
-  findings.push_back(finding(
-      CalibrationIssue::board_bowed,
-      bow > kMuch * side ? CalibrationTrust::weak : CalibrationTrust::good, bow, kNoticed * side,
-      fmt::format("the board {} is bent by {:.1f} mm", c.boards[index].name, 1000 * bow),
-      "glue it on glass or an aluminium composite plate and check it with a straight edge"));
+  findings.push_back(
+      {CalibrationIssue::board_bowed,
+       bow > kMuch * side ? CalibrationTrust::weak : CalibrationTrust::good, bow, kNoticed * side,
+       fmt::format("the board {} is bent by {:.1f} mm", c.boards[index].name, 1000 * bow),
+       "glue it on glass or an aluminium composite plate and check it with a straight edge"});
   findings.back().board = index;
 }
 
@@ -298,10 +283,10 @@ void find_stretch(const Case& c, std::size_t index, Findings& findings) {
   const double seen = board.shape.stretch / variance / information;
   if (std::abs(seen) <= kSure * std::sqrt(1 / information + prior * prior)) return;
   findings.push_back(
-      finding(CalibrationIssue::board_stretched, CalibrationTrust::weak, seen, prior,
-              fmt::format("the board {} is {:+.2f} % wider for its height than its file says",
-                          c.boards[index].name, 100 * seen),
-              "measure both check distances again and write them into the board's file"));
+      {CalibrationIssue::board_stretched, CalibrationTrust::weak, seen, prior,
+       fmt::format("the board {} is {:+.2f} % wider for its height than its file says",
+                   c.boards[index].name, 100 * seen),
+       "measure both check distances again and write them into the board's file"});
   findings.back().board = index;
 }
 
@@ -332,12 +317,11 @@ std::string_view cell_name(std::size_t cell) {
 
 CalibrationAssessment assess_calibration(const CameraCalibration& calibration,
                                          std::span<const BoardView> views,
-                                         std::span<const Board> boards,
-                                         const CalibrationLimits& limits) {
+                                         std::span<const Board> boards) {
   CalibrationAssessment result;
   result.grid = ray_grid(calibration);
   result.focal_sigma = focal_sigma(calibration);
-  const Case c{calibration, views, boards, limits, result.grid, result.focal_sigma};
+  const Case c{calibration, views, boards, result.grid, result.focal_sigma};
   Findings& findings = result.findings;
   find_focal(c, findings);
   find_rays(c, findings);

@@ -44,24 +44,21 @@ struct CalibrationFinding {
   CalibrationIssue issue = CalibrationIssue::focal_unknown;
   CalibrationTrust trust = CalibrationTrust::good;
   double measured = 0;
-  double limit = 0;  // the limit for it
+  double limit = 0;     // the limit for it
+  std::string message;  // what was found
+  std::string remedy;   // what to do
   std::optional<std::size_t> view{};
   std::optional<std::size_t> board{};
   std::vector<std::size_t> cells{};  // of RayGrid, that are not covered
-  std::string message;               // what was found
-  std::string remedy;                // what to do
 };
 
-// Limits, each with its reason.
-struct CalibrationLimits {
-  // A focal length from a data sheet is known to 2 %, a principal point to 1 % of the width
-  // (docs/decisions/0013-unstated-is-not-exact.md): a calibration must at least halve that.
-  double refused_focal = 0.01;
-  double refused_ray = 0.005;  // of the picture's width
-  // What localization assumes for a calibration file that states nothing (ibid.).
-  double weak_focal = 0.001;
-  double weak_ray_px = 1;
-};
+// A focal length from a data sheet is known to 2 %, a principal point to 1 % of the width
+// (docs/decisions/0013-unstated-is-not-exact.md): a calibration must at least halve that.
+inline constexpr double kRefusedFocal = 0.01;
+inline constexpr double kRefusedRay = 0.005;  // of the picture's width
+// What localization assumes for a calibration file that states nothing (ibid.).
+inline constexpr double kWeakFocal = 0.001;
+inline constexpr double kWeakRay = 1;  // pixels
 
 struct CalibrationAssessment {
   CalibrationTrust trust = CalibrationTrust::good;  // the worst of all findings
@@ -74,8 +71,7 @@ struct CalibrationAssessment {
 // photos) is named as their remedy. All contradictions are named in addition.
 CalibrationAssessment assess_calibration(const CameraCalibration& calibration,
                                          std::span<const BoardView> views,
-                                         std::span<const Board> boards,
-                                         const CalibrationLimits& limits = {});
+                                         std::span<const Board> boards);
 
 // "upper left", of RayGrid's cells.
 std::string_view cell_name(std::size_t cell);

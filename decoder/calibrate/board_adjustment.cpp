@@ -30,6 +30,7 @@ using OwnRows = Eigen::Matrix<double, 8, kSightingParameters>;
 using OwnVector = Eigen::Matrix<double, kSightingParameters, 1>;
 using OwnByShared = Eigen::Matrix<double, kSightingParameters, Eigen::Dynamic, Eigen::ColMajor,
                                   kSightingParameters, kMostShared>;
+using Columns = Eigen::Array<Index, Eigen::Dynamic, 1>;
 
 Matrix3d across(const Vector3d& v) {
   Matrix3d matrix;
@@ -181,19 +182,13 @@ class Adjuster {
     for (std::size_t i = 0; i < normals_.size(); ++i) {
       if (!problem_.sightings[i].used) continue;
       const SightingNormal& normal = normals_[i];
-      const std::vector<Index> columns = columns_of(problem_.sightings[i].board);
+      const Columns columns = columns_of(problem_.sightings[i].board);
       const MatrixXd solved = solve_symmetric(damped(normal.own, damping), normal.cross);
       const MatrixXd own_part = normal.cross.transpose() * solved;
       const VectorXd gradient = normal.shared_gradient - solved.transpose() * normal.own_gradient;
-      for (std::size_t r = 0; r < columns.size(); ++r) {
-        const auto row = static_cast<Index>(r);
-        right[columns[r]] -= gradient[row];
-        for (std::size_t c = 0; c < columns.size(); ++c) {
-          const auto column = static_cast<Index>(c);
-          system(columns[r], columns[c]) += normal.shared(row, column) - own_part(row, column);
-          if (r == c) system(columns[r], columns[r]) += damping * normal.shared(row, row);
-        }
-      }
+      right(columns) -= gradient;
+      system(columns, columns) += normal.shared - own_part;
+      system.diagonal()(columns) += damping * normal.shared.diagonal();
     }
     return {system, right};
   }
@@ -223,12 +218,10 @@ class Adjuster {
   const std::vector<SightingNormal>& normals() const { return normals_; }
 
   // Columns of the shared parameters that sightings of this board depend on.
-  std::vector<Index> columns_of(std::size_t board) const {
-    std::vector<Index> columns;
-    for (Index i = 0; i < basis_.cols(); ++i) columns.push_back(i);
-    if (!options_.shapes_free) return columns;
-    for (Index i = 0; i < kShapeParameters; ++i) {
-      columns.push_back(basis_.cols() + kShapeParameters * static_cast<Index>(board) + i);
+  Columns columns_of(std::size_t board) const {
+    Columns columns(basis_.cols() + (options_.shapes_free ? kShapeParameters : 0));
+    for (Index i = 0; i < columns.size(); ++i) {
+      columns[i] = i < basis_.cols() ? i : first_of(board) + i - basis_.cols();
     }
     return columns;
   }
@@ -256,6 +249,11 @@ class Adjuster {
   }
 
  private:
+  // The first column of a board's shape.
+  Index first_of(std::size_t board) const {
+    return basis_.cols() + kShapeParameters * static_cast<Index>(board);
+  }
+
   // The radius (of a fisheye the angle) of the outermost corner seen, in the plane z = 1 of a
   // camera without distortion.
   double outermost(const CalibrationState& start) const {
@@ -316,12 +314,9 @@ class Adjuster {
     if (!options_.shapes_free) return;
     for (std::size_t b = 0; b < problem_.planes.size(); ++b) {
       const auto sigma = shape_sigmas(problem_.planes[b]);
-      const auto value = shape_prior(state, b);
-      for (Index i = 0; i < kShapeParameters; ++i) {
-        const Index column = camera + kShapeParameters * static_cast<Index>(b) + i;
-        shared_(column, column) += 1 / (sigma[i] * sigma[i]);
-        gradient_[column] += value[i] / sigma[i];
-      }
+      shared_.diagonal().segment<kShapeParameters>(first_of(b)) += sigma.cwiseAbs2().cwiseInverse();
+      gradient_.segment<kShapeParameters>(first_of(b)) +=
+          shape_prior(state, b).cwiseQuotient(sigma);
     }
   }
 
@@ -355,8 +350,7 @@ class Adjuster {
   void step_shapes(CalibrationState& next, const VectorXd& step) const {
     if (!options_.shapes_free) return;
     for (std::size_t b = 0; b < next.shapes.size(); ++b) {
-      const auto own =
-          step.segment<kShapeParameters>(basis_.cols() + kShapeParameters * static_cast<Index>(b));
+      const auto own = step.segment<kShapeParameters>(first_of(b));
       next.shapes[b].stretch += own[0];
       next.shapes[b].growth += own[1];
       next.shapes[b].bow += own.segment<3>(2);
@@ -367,11 +361,7 @@ class Adjuster {
   void step_sighting(SightingState& next, std::size_t index, const VectorXd& step,
                      double damping) const {
     const SightingNormal& normal = normals_[index];
-    const std::vector<Index> columns = columns_of(problem_.sightings[index].board);
-    VectorXd shared(static_cast<Index>(columns.size()));
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      shared[static_cast<Index>(i)] = step[columns[i]];
-    }
+    const VectorXd shared = step(columns_of(problem_.sightings[index].board));
     const OwnVector own =
         solve_symmetric(damped(normal.own, damping), -normal.own_gradient - normal.cross * shared);
     next.camera_from_middle.translation += own.head<3>();
@@ -562,15 +552,13 @@ CalibrationFit adjust_calibration(const CalibrationProblem& problem, const Calib
 std::optional<CalibrationPrecision> precision_of(const CalibrationProblem& problem,
                                                  const CalibrationState& state,
                                                  const CameraForm& form) {
-  AdjustmentOptions options;
-  options.form = form;
-  Adjuster adjuster(problem, options, state);
+  Adjuster adjuster(problem, {form}, state);
   adjuster.linearise(state);
   const auto shared = inverse_of(adjuster.reduced(0).first);
   if (!shared) return std::nullopt;
   CalibrationPrecision precision{*shared, {}, {}};
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
-    const std::vector<Index> columns = adjuster.columns_of(problem.sightings[i].board);
+    const Columns columns = adjuster.columns_of(problem.sightings[i].board);
     const SightingNormal& normal = adjuster.normals()[i];
     const MatrixXd by_shared = solve_symmetric(normal.own, normal.cross);
     SightingMatrix own = solve_symmetric(normal.own, SightingMatrix::Identity());

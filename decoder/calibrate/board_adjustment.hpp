@@ -136,7 +136,8 @@ double tag_chi_square(const CalibrationProblem& problem, const CalibrationState&
 
 // One sighting with a separate camera, the other parameters unchanged.
 struct OwnCamera {
-  // Relative change of the focal length alone, and its sigma; sigma 0 = not determined.
+  // Relative change of the focal length alone that fits the sighting best, and its sigma; sigma 0 =
+  // not determined.
   double focal_change = 0;
   double focal_sigma = 0;
   // For focal length and principal point together: by how much a separate camera would lower the

@@ -23,17 +23,26 @@ using Eigen::Vector2d;
 
 constexpr int kResiduals = 8;               // of a tag
 constexpr double kMedianChiSquare = 7.344;  // of eight degrees of freedom
+constexpr double kHuber = 3 * 2.8;          // eight residuals have the length 2.8
 
 // --- misfits ---
+
+// Of all tags of a sighting, used or not.
+std::vector<double> chi_squares_of(const CalibrationProblem& problem, const CalibrationState& state,
+                                   std::size_t sighting) {
+  std::vector<double> chi_squares;
+  for (const TagObservation& tag : problem.sightings[sighting].tags) {
+    chi_squares.push_back(tag_chi_square(problem, state, sighting, tag));
+  }
+  return chi_squares;
+}
 
 // By how much residuals are larger than stated, by the median tag; at least 1.
 double robust_factor(const CalibrationProblem& problem, const CalibrationState& state) {
   std::vector<double> chi_squares;
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
     if (!problem.sightings[i].used) continue;
-    for (const TagObservation& tag : problem.sightings[i].tags) {
-      chi_squares.push_back(tag_chi_square(problem, state, i, tag));
-    }
+    std::ranges::copy(chi_squares_of(problem, state, i), std::back_inserter(chi_squares));
   }
   if (chi_squares.empty()) return 1;
   return std::sqrt(std::max(1.0, quantile(chi_squares, 0.5) / kMedianChiSquare));
@@ -76,22 +85,14 @@ bool mark_tags(CalibrationProblem& problem, const CalibrationState& state, doubl
   return changed;
 }
 
-double median_chi_square(const CalibrationProblem& problem, const CalibrationState& state,
-                         std::size_t sighting) {
-  std::vector<double> chi_squares;
-  for (const TagObservation& tag : problem.sightings[sighting].tags) {
-    chi_squares.push_back(tag_chi_square(problem, state, sighting, tag));
-  }
-  return quantile(chi_squares, 0.5);
-}
-
 // Marks the sightings whose median tag is off three times as far as that of the median sighting, in
 // standard deviations: no noise of a photo is so large, but a moved board or another focus is.
 bool mark_sightings(CalibrationProblem& problem, const CalibrationState& state) {
   constexpr double kWorse = 3;
   std::vector<double> medians;
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
-    medians.push_back(median_chi_square(problem, state, i));
+    std::vector<double> chi_squares = chi_squares_of(problem, state, i);
+    medians.push_back(quantile(chi_squares, 0.5));
   }
   std::vector<double> sorted = medians;
   const double usual = std::max(quantile(sorted, 0.5), kMedianChiSquare);
@@ -106,12 +107,6 @@ bool mark_sightings(CalibrationProblem& problem, const CalibrationState& state) 
 
 // --- the fits ---
 
-AdjustmentOptions options_of(const CameraForm& form) {
-  AdjustmentOptions options;
-  options.form = form;
-  return options;
-}
-
 // A rich form fitted robustly from a rough start; its problem has the misfits marked.
 struct RobustFit {
   CalibrationProblem problem;
@@ -125,8 +120,7 @@ double akaike_cost(const RobustFit& fit, double factor) {
   const double most = outlier_limit(count_tags(fit.problem));
   double cost = 2.0 * static_cast<double>(fit.parameters);
   for (std::size_t i = 0; i < fit.problem.sightings.size(); ++i) {
-    for (const TagObservation& tag : fit.problem.sightings[i].tags) {
-      const double chi_square = tag_chi_square(fit.problem, fit.state, i, tag);
+    for (const double chi_square : chi_squares_of(fit.problem, fit.state, i)) {
       cost += std::min(chi_square / (factor * factor), most);
     }
   }
@@ -137,10 +131,9 @@ double akaike_cost(const RobustFit& fit, double factor) {
 // the standard deviation each time.
 RobustFit robust_fit(const CalibrationProblem& problem, const CalibrationState& start,
                      const LensForm& lens) {
-  constexpr double kHuber = 3 * 2.8;  // eight residuals have the length 2.8
   constexpr int kRounds = 6;
   RobustFit fit{problem, start, lens.coefficients};
-  AdjustmentOptions options = options_of({lens, false});
+  AdjustmentOptions options{{lens, false}};
   options.huber = kHuber;
   for (int round = 0; round < kRounds; ++round) {
     options.scale = robust_factor(fit.problem, fit.state);
@@ -256,7 +249,7 @@ int degrees_of_freedom(const CalibrationProblem& problem, const CameraForm& form
 
 FormFit fit_form(const CalibrationProblem& problem, const CalibrationState& start,
                  const CameraForm& form) {
-  const CalibrationFit fit = adjust_calibration(problem, start, options_of(form));
+  const CalibrationFit fit = adjust_calibration(problem, start, {form});
   FormFit result;
   result.tried.form = form;
   result.tried.camera = fit.state.camera;
@@ -304,8 +297,7 @@ double factor_of(const FormFit& fit) {
 
 // Fills bic and weight; the place of the least.
 std::size_t weigh(std::vector<FormFit>& fits) {
-  double least_factor = std::numeric_limits<double>::infinity();
-  for (const FormFit& fit : fits) least_factor = std::min(least_factor, factor_of(fit));
+  const double least_factor = factor_of(*std::ranges::min_element(fits, {}, factor_of));
   for (FormFit& fit : fits) {
     const double residuals = fit.degrees_of_freedom + 1.0;
     fit.tried.bic = fit.tried.chi_square / (least_factor * least_factor) +
@@ -355,11 +347,9 @@ void add_sightings(CameraCalibration& result, const CalibrationProblem& problem,
     one.edge_px = mean_edge(problem, state, i);
     one.tags_used = count_used(sighting);
     one.tilt = tilt_of(fitted.camera_from_middle);
-    const OwnCamera& own = precision.own_cameras[i];
-    one.focal_change = own.focal_change;
-    one.focal_sigma = result.sigma_factor * own.focal_sigma;
-    one.camera_chi_square = own.chi_square / raised;
-    one.camera_degrees = own.degrees;
+    one.own_camera = precision.own_cameras[i];
+    one.own_camera.focal_sigma *= result.sigma_factor;
+    one.own_camera.chi_square /= raised;
     for (const TagObservation& tag : sighting.tags) {
       TagResidual residual{sighting.view, sighting.board, tag.tag, tag.pixels};
       residual.residual =
@@ -407,10 +397,8 @@ void place_unused(const CalibrationProblem& problem, CalibrationState& state,
     alone.sightings.front().used = true;
     CalibrationState one = state;
     one.sightings = {state.sightings[i]};
-    AdjustmentOptions options = options_of(form);
-    options.camera_free = false;
-    options.shapes_free = false;
-    options.huber = 3 * 2.8;
+    AdjustmentOptions options{form, false, false};
+    options.huber = kHuber;
     state.sightings[i] = adjust_calibration(alone, one, options).state.sightings.front();
   }
 }
@@ -544,8 +532,8 @@ CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings) {
   CameraScatter scatter;
   for (const CalibratedSighting& sighting : sightings) {
     if (!sighting.used) continue;
-    scatter.chi_square += sighting.camera_chi_square;
-    scatter.degrees += sighting.camera_degrees;
+    scatter.chi_square += sighting.own_camera.chi_square;
+    scatter.degrees += sighting.own_camera.degrees;
     ++scatter.photos;
   }
   return scatter;
@@ -559,8 +547,9 @@ double CameraScatter::limit() const {
 bool has_other_focal(const CalibratedSighting& sighting) {
   constexpr double kChance = 4;     // standard deviations: no coincidence among some hundred photos
   constexpr double kLeast = 0.001;  // relative; less is within a calibration's accuracy
-  const double change = std::abs(sighting.focal_change);
-  return sighting.focal_sigma > 0 && change > kChance * sighting.focal_sigma && change > kLeast;
+  const double change = std::abs(sighting.own_camera.focal_change);
+  const double sigma = sighting.own_camera.focal_sigma;
+  return sigma > 0 && change > kChance * sigma && change > kLeast;
 }
 
 BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view) {

@@ -50,14 +50,7 @@ struct CalibratedSighting {
   std::size_t tags_used = 0;
   double chi_square = 0;  // of the tags used, by the covariances that the reader stated
   double tilt = 0;        // radians between the board's normal and the line of sight to its middle
-  // Relative change of the focal length that fits this sighting best on its own, with everything
-  // else of the camera as calibrated; sigma 0 = the sighting does not determine it.
-  double focal_change = 0;
-  double focal_sigma = 0;
-  // For a separate focal length and principal point compared with the calibrated ones: chi-square,
-  // and how many of the three the sighting determines.
-  double camera_chi_square = 0;
-  int camera_degrees = 0;
+  OwnCamera own_camera;   // its sigma and chi-square by the residuals' size (sigma_factor)
 };
 
 // The residuals of one tag.

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
@@ -90,14 +91,12 @@ std::optional<Pose> pose_of(Matrix3d h, const std::vector<PlanePoint>& points) {
 }
 
 AdjustmentOptions rough_options(LensModel lens, int iterations) {
-  AdjustmentOptions options;
-  options.form = {lens_forms(lens).front(), true};
-  options.camera_free = false;
-  options.shapes_free = false;
-  options.scale = kRoughScale;
-  options.huber = kRoughHuber;
-  options.iterations = iterations;
-  return options;
+  return {.form = {lens_forms(lens).front(), true},
+          .camera_free = false,
+          .shapes_free = false,
+          .scale = kRoughScale,
+          .huber = kRoughHuber,
+          .iterations = iterations};
 }
 
 // The sightings with the most tags, and some tags of each from all over it: enough to choose a
@@ -110,11 +109,7 @@ CalibrationProblem richest(const CalibrationProblem& problem) {
                            [](const BoardSighting& sighting) { return sighting.tags.size(); });
   if (some.sightings.size() > kSightings) some.sightings.resize(kSightings);
   for (BoardSighting& sighting : some.sightings) {
-    const std::size_t all = sighting.tags.size();
-    if (all <= kTags) continue;
-    std::vector<TagObservation> kept;
-    for (std::size_t i = 0; i < kTags; ++i) kept.push_back(sighting.tags[i * all / kTags]);
-    sighting.tags = std::move(kept);
+    sighting.tags = evenly_taken(std::move(sighting.tags), kTags);
   }
   return some;
 }

@@ -67,9 +67,9 @@ Json sighting_json(const BoardCalibration& result, const CalibratedSighting& sig
             {"distance", measured(sighting.camera_from_board.translation.norm())},
             {"chi_square", measured(sighting.chi_square)},
             {"edge_px", measured(sighting.edge_px)}};
-  if (sighting.focal_sigma > 0) {
-    json["focal_change"] = measured(sighting.focal_change);
-    json["focal_sigma"] = measured(sighting.focal_sigma);
+  if (sighting.own_camera.focal_sigma > 0) {
+    json["focal_change"] = measured(sighting.own_camera.focal_change);
+    json["focal_sigma"] = measured(sighting.own_camera.focal_sigma);
   }
   return json;
 }

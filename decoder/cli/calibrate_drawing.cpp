@@ -83,11 +83,10 @@ struct SigmaClass {
 
 // The colour steps of a ray's sigma; a value above the last one is refused.
 std::vector<SigmaClass> sigma_classes(const Camera& camera) {
-  const CalibrationLimits limits;
-  const double refused = std::max(2 * limits.weak_ray_px, limits.refused_ray * camera.width);
+  const double refused = std::max(2 * kWeakRay, kRefusedRay * camera.width);
   std::vector<SigmaClass> classes{
       {0.1, {0.78, 0.91, 0.80}, ""},     {0.2, {0.90, 0.95, 0.75}, ""},
-      {0.5, {1.00, 0.95, 0.68}, ""},     {limits.weak_ray_px, {1.00, 0.82, 0.52}, ""},
+      {0.5, {1.00, 0.95, 0.68}, ""},     {kWeakRay, {1.00, 0.82, 0.52}, ""},
       {refused, {0.94, 0.58, 0.42}, ""}, {HUGE_VAL, {0.72, 0.30, 0.36}, ""}};
   for (SigmaClass& one : classes) {
     one.words = std::isfinite(one.below) ? "< " + format_number(one.below) : "more, or unknown";
