@@ -2,6 +2,7 @@
 #include "decoder/calibrate/measure_printer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -32,10 +33,9 @@ CornerPairs corners_of_marks(const PrinterTest& test, const ReadResult& read) {
   for (std::size_t i = 0; i < test.marks.size(); ++i) {
     const auto found = std::ranges::find(read.tags, test.codes[i], &Reading::digits);
     if (found == read.tags.end()) continue;
-    const auto& [x, y, width, height] = test.marks[i].frame_inner;
-    const Vector2d corners[]{{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
+    const std::array<PlatePoint, 4> corners = corners_of(test.marks[i].frame_inner);
     for (std::size_t corner = 0; corner < 4; ++corner) {
-      pairs.on_sheet.push_back(corners[corner]);
+      pairs.on_sheet.emplace_back(corners[corner].x, corners[corner].y);
       pairs.in_scan.emplace_back(found->corners[corner].x, found->corners[corner].y);
     }
   }

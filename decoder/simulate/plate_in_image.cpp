@@ -115,12 +115,10 @@ ViewingFrustum viewing_frustum(const Camera& camera, double margin_px) {
 
 std::vector<Vector2d> outline_in_image(const Camera& camera, const ViewingFrustum& frustum,
                                        const Pose& camera_from_plate, const Rectangle& rectangle) {
-  const double right = rectangle.x + rectangle.width;
-  const double bottom = rectangle.y + rectangle.height;
-  std::vector<Vector3d> corners{camera_from_plate * Vector3d(rectangle.x, rectangle.y, 0),
-                                camera_from_plate * Vector3d(right, rectangle.y, 0),
-                                camera_from_plate * Vector3d(right, bottom, 0),
-                                camera_from_plate * Vector3d(rectangle.x, bottom, 0)};
+  std::vector<Vector3d> corners;
+  for (const PlatePoint& corner : corners_of(rectangle)) {
+    corners.push_back(camera_from_plate * Vector3d(corner.x, corner.y, 0));
+  }
   corners = clip(std::move(corners), frustum);
   std::vector<Vector2d> outline;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -219,14 +217,11 @@ std::vector<PlateTruth> plate_truths(const Camera& camera, std::span<const Scene
   std::vector<PlateTruth> truths;
   for (std::size_t index = 0; index < plates.size(); ++index) {
     const ScenePlate& plate = plates[index];
-    const Rectangle& inner = plate.drawing.frame_inner;
-    const std::array<Vector3d, 4> corners{
-        Vector3d(inner.x, inner.y, 0), Vector3d(inner.x + inner.width, inner.y, 0),
-        Vector3d(inner.x + inner.width, inner.y + inner.height, 0),
-        Vector3d(inner.x, inner.y + inner.height, 0)};
+    const std::array<PlatePoint, 4> corners = corners_of(plate.drawing.frame_inner);
     PlateTruth truth;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      truth.corners[i] = project(camera, plate.camera_from_plate * corners[i]);
+      const Vector3d corner(corners[i].x, corners[i].y, 0);
+      truth.corners[i] = project(camera, plate.camera_from_plate * corner);
     }
     const Vector3d sight = frame_middle_in_camera(plate).normalized();
     const double cosine = plate.camera_from_plate.rotation.col(2).dot(sight);

@@ -2,6 +2,7 @@
 #include "decoder/verify/proof.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/transform.hpp"
@@ -132,15 +134,8 @@ Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
 std::optional<std::string> read_by_zbar(const GrayImage& image, double module_px) {
   constexpr double kEnough = 4;
   const int factor = std::max(1, static_cast<int>(module_px / kEnough));
-  GrayImage small{image.width / factor, image.height / factor, {}};
-  for (int y = 0; y < small.height; ++y) {
-    for (int x = 0; x < small.width; ++x) {
-      int sum = 0;
-      for (int i = 0; i < factor; ++i)
-        sum += image.view().at(x * factor + i, y * factor + factor / 2);
-      small.samples.push_back(static_cast<std::uint8_t>(sum / factor));
-    }
-  }
+  const int longer = std::max(image.width, image.height);
+  const GrayImage small = shrunk_to(image.view(), (longer + factor - 1) / factor);
   std::string path = (fs::temp_directory_path() / "tagsmith-proof-XXXXXX.png").string();
   const int descriptor = ::mkstemps(path.data(), 4);
   if (descriptor < 0) return std::nullopt;
@@ -171,28 +166,19 @@ FrameCorners corners_when_printed(const Reading& reading, double bar_adjustment_
 
 void compare_corners(const Survey& survey, const ProofTag& tag, const FrameCorners& corners,
                      const PixelPoint& p, double metres_per_pixel, TagProof& proof) {
-  const auto& [corner_p, corner_f, corner_r, corner_q] = corners;
   const PageTag& shown = *tag.pieces.front().second;
-  const Rectangle& frame = tag.drawing().frame_inner;
+  const std::array<PlatePoint, 4> drawn = corners_of(tag.drawing().frame_inner);
   const PlatePoint origin = p_on_page(shown);
-  const auto expected_at = [&](double right, double down) {
-    const PlatePoint corner = on_page(shown, PlatePoint{frame.x + right, frame.y + down});
-    return PixelPoint{p.x + (corner.x - origin.x) / metres_per_pixel,
-                      p.y + (corner.y - origin.y) / metres_per_pixel};
-  };
-  const FrameCorners expected{{expected_at(0, 0), expected_at(frame.width, 0),
-                               expected_at(frame.width, frame.height),
-                               expected_at(0, frame.height)}};
-  for (std::size_t i = 0; i < expected.size(); ++i) {
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    const PlatePoint corner = on_page(shown, drawn[i]);
+    const PixelPoint expected{p.x + (corner.x - origin.x) / metres_per_pixel,
+                              p.y + (corner.y - origin.y) / metres_per_pixel};
     proof.corner_error =
-        std::max(proof.corner_error, distance(corners[i], expected[i]) * metres_per_pixel);
+        std::max(proof.corner_error, distance(corners[i], expected) * metres_per_pixel);
   }
-  const double length =
-      (distance(corner_p, corner_f) + distance(corner_q, corner_r)) / 2 * metres_per_pixel;
-  const double height =
-      (distance(corner_p, corner_q) + distance(corner_f, corner_r)) / 2 * metres_per_pixel;
-  proof.length_error = length - survey.tag_template.frame_inner_length;
-  proof.height_error = height - survey.tag_template.frame_inner_height;
+  const TagTemplate& plate = survey.tag_template;
+  proof.length_error = length_of(corners) * metres_per_pixel - plate.frame_inner_length;
+  proof.height_error = height_of(corners) * metres_per_pixel - plate.frame_inner_height;
   const double allowed = std::max(0.00015, 1.5 * metres_per_pixel);
   if (proof.corner_error <= allowed || !proof.problem.empty()) return;
   proof.problem = fmt::format(
