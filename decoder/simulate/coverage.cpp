@@ -17,12 +17,13 @@ double mean_excess(double u, double low, double high) {
 
 }  // namespace
 
-// One cell more than the width: an edge's last difference may fall just right of the grid.
+// One cell more than the width: an edge's last difference may fall just right of the grid. Rows to
+// the next multiple of kRows.
 CoverageGrid::CoverageGrid(int width, int height)
     : width_(width),
       height_(height),
       stride_(static_cast<std::size_t>(width) + 2),
-      cells_(stride_ * static_cast<std::size_t>(height)) {}
+      cells_(stride_ * ((static_cast<std::size_t>(height) + kRows - 1) / kRows * kRows)) {}
 
 void CoverageGrid::clear() { std::ranges::fill(cells_, 0.0F); }
 
@@ -94,19 +95,9 @@ void CoverageGrid::add_edge_in_row(float* row, double x_first, double x_last, do
 
 // Four rows at a time: each row's sum depends on the one before, four of them side by side do not.
 void CoverageGrid::integrate() {
-  constexpr std::size_t kRows = 4;
-  const auto height = static_cast<std::size_t>(height_);
   const auto width = static_cast<std::size_t>(width_);
-  for (std::size_t y = 0; y < height; y += kRows) {
-    const std::size_t rows = std::min(kRows, height - y);
-    float* cells = cells_.data() + y * stride_;
-    if (rows < kRows) {
-      for (std::size_t row = 0; row < rows; ++row) {
-        for (std::size_t x = 1; x < width; ++x)
-          cells[row * stride_ + x] += cells[row * stride_ + x - 1];
-      }
-      continue;
-    }
+  for (std::size_t first = 0; first < cells_.size(); first += kRows * stride_) {
+    float* cells = cells_.data() + first;
     std::array<float, kRows> sums{};
     for (std::size_t x = 0; x < width; ++x) {
       for (std::size_t row = 0; row < kRows; ++row) {

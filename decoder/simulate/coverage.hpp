@@ -33,6 +33,8 @@ class CoverageGrid {
   void add_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double weight);
   void add_edge_in_row(float* row, double x_first, double x_last, double rise);
 
+  static constexpr std::size_t kRows = 4;  // that are integrated side by side
+
   int width_ = 0;
   int height_ = 0;
   std::size_t stride_ = 0;

@@ -254,12 +254,11 @@ void add_layer(CoverageGrid& grid, const Job& job, const Patch& patch,
 
 // Buffers that one tile after the other uses.
 struct Workspace {
-  explicit Workspace(const Job& job) : Workspace(job.tile, job.patch, job.kernel.cells_per_px) {}
-
-  Workspace(const Size& tile, const Size& patch, int cells)
-      : background(patch.width, patch.height),
-        light(patch.width * cells, patch.height * cells),
-        rows(light.width, tile.height),
+  explicit Workspace(const Job& job)
+      : background(job.patch.width, job.patch.height),
+        light(job.patch.width * job.kernel.cells_per_px,
+              job.patch.height * job.kernel.cells_per_px),
+        rows(light.width, job.tile.height),
         surface(light.width, light.height),
         ink(light.width, light.height),
         cover(light.width, light.height) {}

@@ -19,29 +19,27 @@ namespace tagsmith::detail {
 // ---- Chains.
 
 CameraChain camera_chain(const std::string& name) {
-  CameraChain chain;
-  chain.denoise_levels = 6;
-  chain.noise_sigma = 2;
   if (name == "mild") {
-    chain.sharpening = 0.5;
-    chain.jpeg_quality = 92;
-    return chain;
+    return {.noise_sigma = 2, .denoise_levels = 6, .sharpening = 0.5, .jpeg_quality = 92};
   }
-  chain.contrast = 0.4;
-  chain.sharpening = 1.2;
-  chain.sharpening_px = 1.5;
-  chain.defocus_px = 0.6;
-  chain.jpeg_quality = 85;
-  if (name == "strong") return chain;
-  chain.defocus_px = 0.3;
-  chain.exposure = 0.4;
-  chain.noise_sigma = 12;
-  chain.denoise_levels = 25;
-  chain.denoise_px = 1.5;
-  chain.sharpening = 1.6;
-  chain.sharpening_px = 2.0;
-  chain.jpeg_quality = 80;
-  return chain;
+  if (name == "strong") {
+    return {.defocus_px = 0.6,
+            .noise_sigma = 2,
+            .contrast = 0.4,
+            .denoise_levels = 6,
+            .sharpening = 1.2,
+            .sharpening_px = 1.5,
+            .jpeg_quality = 85};
+  }
+  return {.defocus_px = 0.3,
+          .exposure = 0.4,
+          .noise_sigma = 12,
+          .contrast = 0.4,
+          .denoise_levels = 25,
+          .denoise_px = 1.5,
+          .sharpening = 1.6,
+          .sharpening_px = 2.0,
+          .jpeg_quality = 80};
 }
 
 // ---- The sensor.
@@ -54,38 +52,27 @@ double light_for(SensorTone curve, double level_share) {
   return std::pow((level_share + 0.055) / 1.055, 2.4);
 }
 
-// Grey levels by comparison with the light at which each one begins, a start given by a table: as
-// exact as the tone curve itself and much cheaper.
+// Grey levels by comparison with the light at which each one begins: as exact as the tone curve
+// itself and much cheaper.
 class Quantiser {
  public:
   explicit Quantiser(const SensorModel& sensor) {
     const double range = sensor.white_level - sensor.black_level;
-    for (int level = 1; level <= 255; ++level) {
-      const double share = (level - 0.5 - sensor.black_level) / range;
-      begins_[static_cast<std::size_t>(level)] =
+    for (std::size_t i = 0; i < begins_.size(); ++i) {
+      const double share = (static_cast<double>(i) + 0.5 - sensor.black_level) / range;
+      begins_[i] =
           share > 1 ? std::numeric_limits<double>::infinity() : light_for(sensor.tone, share);
-    }
-    int level = 0;
-    for (std::size_t bin = 0; bin < starts_.size(); ++bin) {
-      starts_[bin] = static_cast<std::uint8_t>(level);
-      while (level < 255 &&
-             begins_[static_cast<std::size_t>(level) + 1] <= static_cast<double>(bin + 1) / kBins) {
-        ++level;
-      }
     }
   }
 
   std::uint8_t operator()(double light_share) const {
-    const double bin = std::clamp(light_share, 0.0, 1.0) * kBins;
-    int level = light_share > 0 ? starts_[static_cast<std::size_t>(bin)] : 0;
-    while (level < 255 && begins_[static_cast<std::size_t>(level) + 1] <= light_share) ++level;
-    return static_cast<std::uint8_t>(level);
+    const auto darker = [&](double begin) { return begin <= light_share; };
+    return static_cast<std::uint8_t>(std::ranges::partition_point(begins_, darker) -
+                                     begins_.begin());
   }
 
  private:
-  static constexpr int kBins = 1024;
-  std::array<double, 256> begins_{};
-  std::array<std::uint8_t, kBins + 1> starts_{};
+  std::array<double, 255> begins_{};  // of levels 1 to 255
 };
 
 struct MiddleGrey {
@@ -179,17 +166,13 @@ cv::Mat rolled(const LightImage& light, double rolling_px) {
   return moved;
 }
 
-// Standard deviation of a green sample's light at the middle grey level.
-double middle_noise(double noise_sigma, double middle_light) {
-  const double slope = 255 * 1.055 / 2.4 * std::pow(middle_light, 1 / 2.4 - 1);
-  return noise_sigma / slope;
-}
-
 // What the sensor reads under the grid of filters. Photon noise is that of the light that a filter
 // lets through.
 cv::Mat raw_samples(const cv::Mat& light, const SensorModel& sensor, std::uint64_t seed) {
   constexpr double kMiddleLight = 0.214041;
-  const double sigma = middle_noise(sensor.noise_sigma, kMiddleLight);
+  // Of a green sample's light at the middle grey level, by the slope of the tone curve there.
+  const double sigma =
+      sensor.noise_sigma / (255 * 1.055 / 2.4 * std::pow(kMiddleLight, 1 / 2.4 - 1));
   cv::Mat raw(light.size(), CV_16U);
   for (int y = 0; y < light.rows; ++y) {
     for (int x = 0; x < light.cols; ++x) {
