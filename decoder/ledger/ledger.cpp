@@ -245,12 +245,7 @@ PlateSighting sighting_of(const Statement& row) {
   seen.digits = row.text(1);
   seen.taken = row.text(2);
   seen.up_known = row.whole(3) != 0;
-  const std::string status = row.text(4);
-  for (std::size_t i = 0; i < kTagStatuses; ++i) {
-    if (to_string(static_cast<TagStatus>(i)) == status) {
-      seen.finding.status = static_cast<TagStatus>(i);
-    }
-  }
+  seen.finding.status = value_named<TagStatus>(row.text(4), kTagStatuses).value_or(TagStatus::ok);
   seen.finding.rule = row.text(5);
   seen.finding.message = row.text(6);
   seen.module_px = row.number(7).value_or(0);
@@ -376,41 +371,25 @@ Result<void> Ledger::write_photo(const std::string& survey, const VerifiedFile& 
   return code == SQLITE_OK ? Result<void>{} : failure(path_, database, code);
 }
 
-Result<void> Ledger::enter_one(const std::string& survey, const VerifiedFile& file,
-                               const std::string& result, LedgerTally& tally) const {
-  const Result<std::optional<StoredPhoto>> before = stored_photo(survey, file.sha256);
-  if (!before) return fail(before);
-  if (*before && (*before)->stands_for(file, result)) {
-    ++tally.known;
-    return {};
-  }
-  ++(*before ? tally.replaced : tally.added);
-  if (file.taken.empty()) ++tally.undated;
-  return write_photo(survey, file, result);
-}
-
 Result<LedgerTally> Ledger::enter(const std::string& survey, std::span<const VerifiedFile> files) {
-  LedgerTally tally;
-  std::vector<PhotoLine> unknown;
+  std::vector<PhotoLine> lines;
   for (const VerifiedFile& file : files) {
-    std::optional<PhotoLine> line = line_of(file);
-    if (!line) continue;
-    const Result<std::optional<StoredPhoto>> before = stored_photo(survey, file.sha256);
-    if (!before) return fail(before);
-    if (*before && (*before)->stands_for(line->file, line->result)) {
-      ++tally.known;
-    } else {
-      unknown.push_back(std::move(*line));
-    }
+    if (auto line = line_of(file)) lines.push_back(std::move(*line));
   }
-  if (unknown.empty()) return tally;
+  LedgerTally tally;
   sqlite3* database = database_.get();
   Transaction transaction(database);
   if (transaction.begun() != SQLITE_OK) return failure(path_, database, transaction.begun());
-  for (const auto& [file, result] : unknown) {
-    // Checked again, because another process may have entered it since.
-    const auto entered = enter_one(survey, file, result, tally);
-    if (!entered) return fail(entered);
+  for (const auto& [file, result] : lines) {
+    const Result<std::optional<StoredPhoto>> before = stored_photo(survey, file.sha256);
+    if (!before) return fail(before);
+    if (*before && (*before)->stands_for(file, result)) {
+      ++tally.known;
+      continue;
+    }
+    ++(*before ? tally.replaced : tally.added);
+    if (file.taken.empty()) ++tally.undated;
+    if (auto written = write_photo(survey, file, result); !written) return fail(written);
   }
   const int code = transaction.commit();
   if (code != SQLITE_OK) return failure(path_, database, code);
@@ -427,10 +406,8 @@ Result<LedgerCounts> Ledger::count_photos(const std::string& survey, const std::
   row.put(last, false).put(std::string(kFirstPhotos), false).put(revision, false);
   row.put(survey, false);
   if (!row.step()) return failure(path_, database_.get(), row.failed());
-  return LedgerCounts{
-      static_cast<std::size_t>(row.whole(0)), static_cast<std::size_t>(row.whole(1)),
-      static_cast<std::size_t>(row.whole(2)), static_cast<std::size_t>(row.whole(3)),
-      static_cast<std::size_t>(row.whole(4)), static_cast<std::size_t>(row.whole(5))};
+  const auto count = [&](int column) { return static_cast<std::size_t>(row.whole(column)); };
+  return LedgerCounts{count(0), count(1), count(2), count(3), count(4), count(5)};
 }
 
 Result<void> Ledger::for_each_sighting(

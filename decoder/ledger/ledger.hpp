@@ -93,8 +93,6 @@ class Ledger {
       : path_(std::move(path)), database_(std::move(database)) {}
   static Result<Ledger> open(const std::filesystem::path& path, int flags);
   Result<void> make_tables() const;
-  Result<void> enter_one(const std::string& survey, const VerifiedFile& file,
-                         const std::string& result, LedgerTally& tally) const;
   Result<void> write_photo(const std::string& survey, const VerifiedFile& file,
                            const std::string& result) const;
   Result<std::optional<StoredPhoto>> stored_photo(const std::string& survey,

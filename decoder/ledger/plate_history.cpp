@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "decoder/verify/verify_json.hpp"
 #include "decoder/verify/verify_merge.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/date.hpp"
@@ -107,11 +108,7 @@ namespace {
 std::optional<PlateAction> cure_of(std::string_view rule) {
   const Rule* reported = find_verify_rule(rule);
   if (reported == nullptr) return std::nullopt;
-  for (std::size_t i = 0; i < kPlateActions; ++i) {
-    const auto action = static_cast<PlateAction>(i);
-    if (to_string(action) == reported->action) return action;
-  }
-  return std::nullopt;
+  return value_named<PlateAction>(reported->action, kPlateActions);
 }
 
 // Whether the fault would have been found on this day, on which the plate was in order. A photo

@@ -232,13 +232,10 @@ Value get_or(const json& object, const char* key, Value absent = {}) {
   return value->get<Value>();
 }
 
-// The value of an enum that has this name.
+// The same for an enumeration of so many values, by name; for an unknown name, too.
 template <class Enum>
-Enum value_of(std::size_t count, const std::string& name, Enum otherwise) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if (to_string(static_cast<Enum>(i)) == name) return static_cast<Enum>(i);
-  }
-  return otherwise;
+Enum named_or(const json& object, const char* key, std::size_t count, Enum absent) {
+  return value_named<Enum>(get_or<std::string>(object, key), count).value_or(absent);
 }
 
 // A number that pixels may have.
@@ -289,7 +286,7 @@ SymbolGrade grade_from(const json& tag) {
 HungTag hung_from(const json& object, const VerifiedTag& tag) {
   HungTag hung;
   hung.tag = tag.tag;
-  hung.verdict = value_of(4, get_or<std::string>(object, "verdict"), HangVerdict::unchecked);
+  hung.verdict = named_or(object, "verdict", 4, HangVerdict::unchecked);
   hung.stations = get_or(object, "stations", 0);
   hung.rivals = get_or<std::vector<std::string>>(object, "rivals");
   hung.odds = get_or(object, "odds", 0.0);
@@ -306,8 +303,8 @@ HungTag hung_from(const json& object, const VerifiedTag& tag) {
 VerifiedTag tag_from(const json& object) {
   VerifiedTag tag;
   tag.tag = get_or<std::string>(object, "tag");
-  tag.finding.status =
-      value_of(kTagStatuses, object.at("status").get<std::string>(), TagStatus::unknown);
+  tag.finding.status = value_named<TagStatus>(object.at("status").get<std::string>(), kTagStatuses)
+                           .value_or(TagStatus::unknown);
   tag.finding.rule = get_or<std::string>(object, "rule");
   tag.finding.message = get_or<std::string>(object, "message");
   // A line without corners is of an older version, and cannot be used as a reading.
@@ -370,7 +367,7 @@ VerifiedFile file_from(const json& object) {
     file.rules.erase(tag.finding.rule);
   }
   file.stale = get_or(object, "stale", false);
-  file.up = value_of(kUpSources, get_or<std::string>(object, "up"), UpSource::unknown);
+  file.up = named_or(object, "up", kUpSources, UpSource::unknown);
   file.notes = get_or<std::vector<std::string>>(object, "notes");
   file.picture.file = get_or<std::string>(object, "picture");
   return file;

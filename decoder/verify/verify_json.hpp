@@ -24,6 +24,16 @@ std::string to_json_line(const VerifiedFile& file);
 // What to_json_line wrote; nothing for any other text.
 std::optional<VerifiedFile> verified_file_from(std::string_view line);
 
+// The value that to_string() calls so, of an enumeration of so many; nothing where it calls none
+// so.
+template <class Enum>
+std::optional<Enum> value_named(std::string_view name, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (to_string(static_cast<Enum>(i)) == name) return static_cast<Enum>(i);
+  }
+  return std::nullopt;
+}
+
 // The summary of `verify`. `hung`: where tags hang, when that was asked for. `skipped`: how many
 // files of which kind the folders hold besides.
 std::string verify_summary_line(const Survey& survey, const VerifyMerge& merged,
