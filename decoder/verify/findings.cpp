@@ -155,22 +155,18 @@ std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEv
   if (!evidence.is_photo) return std::nullopt;
   // The outline that was treated as a feature frame may be the visible end of one.
   constexpr double kHidden = 0.25;
+  std::string words;
   if (seen.sight == Sight::refused && leaves(corners, evidence.image, kHidden)) {
-    return Finding{
-        TagStatus::cut_off, "cut-off",
-        "a tag at the picture's edge, not read: " + describe(*seen.refusal) + seen.by_bars};
+    words = "a tag at the picture's edge, not read: " + describe(*seen.refusal) + seen.by_bars;
+  } else if (seen.sight == Sight::part && leaves(corners, evidence.image)) {
+    words = "a tag at the picture's edge; what is in sight fits " + seen.fits;
+  } else if (seen.sight == Sight::bars &&
+             frame_may_leave(evidence.image, evidence.survey.tag_template, corners)) {
+    words = name_of(evidence.survey, *seen.tag.digits) +
+            " at the picture's edge, read by its bars without its whole feature frame";
   }
-  if (seen.sight == Sight::part && leaves(corners, evidence.image)) {
-    return Finding{TagStatus::cut_off, "cut-off",
-                   "a tag at the picture's edge; what is in sight fits " + seen.fits};
-  }
-  if (seen.sight == Sight::bars &&
-      frame_may_leave(evidence.image, evidence.survey.tag_template, corners)) {
-    return Finding{TagStatus::cut_off, "cut-off",
-                   name_of(evidence.survey, *seen.tag.digits) +
-                       " at the picture's edge, read by its bars without its whole feature frame"};
-  }
-  return std::nullopt;
+  if (words.empty()) return std::nullopt;
+  return Finding{TagStatus::cut_off, "cut-off", std::move(words)};
 }
 
 std::optional<Finding> find_unread(const PictureEvidence& evidence, const TagEvidence& seen) {

@@ -52,12 +52,7 @@ std::optional<double> edge_at(const GrayView& image, PixelPoint at, PixelPoint o
   const int count = last - first + 1;
   samples.resize(static_cast<std::size_t>(count));
   sample_line(image, places, samples);
-  double white = samples.front();
-  double black = white;
-  for (const double sample : samples) {
-    white = sample > white ? sample : white;
-    black = sample < black ? sample : black;
-  }
+  const auto [black, white] = std::ranges::minmax(samples);
   if (white - black < kLeastContrast) return std::nullopt;
   const double level = (white + black) / 2;
   for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -116,30 +111,22 @@ double largest_share(const FrameBow& bow, const FrameCorners& corners) {
   return largest;
 }
 
-// Outwards from the line between a and b.
-double outwards(const FrameEdge& side, const Eigen::Vector2d& middle) {
-  const PixelPoint chord = 0.5 * (side.a + side.b);
-  return side.out.x * (middle.x() - chord.x) + side.out.y * (middle.y() - chord.y);
-}
-
 // The rest of the bow when the image is undistorted by the one radial term (about its centre) that
 // leaves least: the evidence for a bent plate when the lens is not known.
 FrameBow without_radial(const FrameBow& bow, const FrameCorners& corners, int width, int height) {
-  const Eigen::Vector2d centre((width - 1) / 2.0, (height - 1) / 2.0);
-  const auto shifted = [&](const Eigen::Vector2d& point) -> Eigen::Vector2d {
-    const Eigen::Vector2d from = point - centre;
-    return from.squaredNorm() * from;
+  const PixelPoint centre{(width - 1) / 2.0, (height - 1) / 2.0};
+  const auto shifted = [&](PixelPoint point) {
+    const PixelPoint from = point - centre;
+    return dot(from, from) * from;
   };
   Eigen::Vector4d by_radial;
-  Eigen::Vector4d measured;
   for (std::size_t i = 0; i < 4; ++i) {
     const FrameEdge side = edge_of(corners, i);
-    const Eigen::Vector2d a(side.a.x, side.a.y);
-    const Eigen::Vector2d b(side.b.x, side.b.y);
-    const Eigen::Vector2d moved = shifted((a + b) / 2) - (shifted(a) + shifted(b)) / 2;
-    by_radial[static_cast<Eigen::Index>(i)] = side.out.x * moved.x() + side.out.y * moved.y();
-    measured[static_cast<Eigen::Index>(i)] = bow[i];
+    const PixelPoint moved =
+        shifted(0.5 * (side.a + side.b)) - 0.5 * (shifted(side.a) + shifted(side.b));
+    by_radial[static_cast<Eigen::Index>(i)] = dot(side.out, moved);
   }
+  const Eigen::Map<const Eigen::Vector4d> measured(bow.data());
   const double k = by_radial.dot(measured) / std::max(1e-9, by_radial.squaredNorm());
   const Eigen::Vector4d left = measured - k * by_radial;
   return {left[0], left[1], left[2], left[3]};
@@ -174,7 +161,8 @@ FrameBow bow_of_lens(const Camera& camera, const FrameCorners& corners) {
     const auto from = ray_through(camera, {side.a.x, side.a.y});
     const auto to = ray_through(camera, {side.b.x, side.b.y});
     const auto middle = from && to ? project(camera, 0.5 * (*from + *to)) : std::nullopt;
-    if (middle) bow[i] = outwards(side, *middle);
+    if (!middle) continue;
+    bow[i] = dot(side.out, PixelPoint{middle->x(), middle->y()} - 0.5 * (side.a + side.b));
   }
   return bow;
 }

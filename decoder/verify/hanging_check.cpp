@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
-#include <string_view>
 #include <unordered_set>
 #include <utility>
 
@@ -84,15 +83,12 @@ std::vector<SightedTag> sighted_tags(const Survey& survey, const HangingSetup& s
   if (std::ranges::none_of(file.tags, counts)) return sighted;
   const std::optional<PhotoOrigin> origin = usable_origin(setup, file, note);
   for (const VerifiedTag& tag : file.tags) {
-    if (origin && is_unknown_tag(tag)) {
-      sighted.push_back({origin->station, origin->camera, to_string(*tag.digits),
-                         seen_corners(tag.corners, tag.corner_covariance)});
-    }
-    if (!origin || !shows_place(tag) || !tag.digits || find_tag(survey, tag.tag) == nullptr ||
-        std::ranges::count(file.tags, tag.tag, &VerifiedTag::tag) > 1) {
-      continue;
-    }
-    sighted.push_back({origin->station, origin->camera, tag.tag,
+    const bool is_unknown = is_unknown_tag(tag);
+    const bool is_own = shows_place(tag) && tag.digits && find_tag(survey, tag.tag) != nullptr &&
+                        std::ranges::count(file.tags, tag.tag, &VerifiedTag::tag) == 1;
+    if (!origin || (!is_unknown && !is_own)) continue;
+    sighted.push_back({origin->station, origin->camera,
+                       is_unknown ? to_string(*tag.digits) : tag.tag,
                        seen_corners(tag.corners, tag.corner_covariance)});
   }
   return sighted;

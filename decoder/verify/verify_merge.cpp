@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "decoder/localize/other_drive.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -159,6 +160,13 @@ void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
   }
 }
 
+// The first of the names, with dots where they are fewer than `count`.
+std::string first_names(std::vector<std::string> names, std::size_t count) {
+  constexpr std::size_t kMostNamed = 8;
+  names.resize(std::min(names.size(), kMostNamed));
+  return fmt::format("{}{}", fmt::join(names, ", "), count > names.size() ? ", ..." : "");
+}
+
 // What was not judged for where it hangs; nothing when all was, or nothing photographed.
 std::string placement_in_words(const Completeness& covered) {
   const std::size_t count = covered.placement_unchecked.size();
@@ -278,7 +286,6 @@ void finish(VerifyMerge& merged) {
 }
 
 std::vector<FaultRecord> faults_by_plate(const VerifyMerge& merged) {
-  constexpr std::size_t kMostNamed = 8;
   std::vector<FaultRecord> plates;
   std::vector<std::vector<std::string>> files;
   std::map<std::pair<std::string, std::string>, std::size_t> known;
@@ -301,24 +308,18 @@ std::vector<FaultRecord> faults_by_plate(const VerifyMerge& merged) {
   for (std::size_t i = 0; i < plates.size(); ++i) {
     const std::size_t count = files[i].size();
     if (count == 1) continue;
-    files[i].resize(std::min(count, kMostNamed));
-    plates[i].file = fmt::format("in {} files: {}{}", count, fmt::join(files[i], ", "),
-                                 count > kMostNamed ? ", ..." : "");
+    plates[i].file = fmt::format("in {} files: {}", count, first_names(files[i], count));
   }
   return plates;
 }
 
 std::string without_tag_in_words(const VerifyMerge& merged) {
-  constexpr std::size_t kMostNamed = 8;
   const std::size_t count = merged.without_tag_count;
   if (count == 0) return {};
   std::vector<std::string> names;
   for (const FaultRecord& photo : merged.without_tag) names.push_back(photo.file);
   std::ranges::sort(names);
-  names.resize(std::min(names.size(), kMostNamed));
-  return fmt::format("{} without a tag: {}{}",
-                     count == 1 ? "1 photo" : fmt::format("{} photos", count),
-                     fmt::join(names, ", "), count > names.size() ? ", ..." : "");
+  return fmt::format("{} without a tag: {}", counted(count, "photo"), first_names(names, count));
 }
 
 TagRecord record_of(const VerifyMerge& merged, const std::string& tag) {
