@@ -77,17 +77,16 @@ const Result<Libheif>& libheif() {
   return loaded;
 }
 
-// A decoded picture and the library that it belongs to.
+// One channel of a decoded picture.
 struct Decoded {
-  const Libheif* heif = nullptr;
   std::shared_ptr<heif_image> image;
+  int width = 0;
+  int height = 0;
+  int bits = 0;
+  int stride = 0;
+  const std::uint8_t* rows = nullptr;
 
-  // Rows of one channel; null when there is none.
-  const std::uint8_t* rows(heif_channel channel, int& stride) const {
-    return heif->plane(image.get(), channel, &stride);
-  }
-  int width(heif_channel channel) const { return heif->width(image.get(), channel); }
-  int height(heif_channel channel) const { return heif->height(image.get(), channel); }
+  const std::uint8_t* row(int y) const { return rows + static_cast<std::ptrdiff_t>(y) * stride; }
 };
 
 Error in_words(const heif_error& error) {
@@ -116,9 +115,10 @@ Result<Primary> primary_of(const Libheif& heif, std::string_view bytes) {
   return primary;
 }
 
-// The primary image in the requested colours, before any turning and cropping: as stored.
+// A channel of the primary image in the requested colours, before any turning and cropping: as
+// stored.
 Result<Decoded> decode(std::string_view bytes, double most_pixels, heif_colorspace colours,
-                       heif_chroma chroma) {
+                       heif_chroma chroma, heif_channel channel) {
   const Result<Libheif>& library = libheif();
   if (!library) return fail(library);
   const Libheif& heif = *library;
@@ -133,7 +133,14 @@ Result<Decoded> decode(std::string_view bytes, double most_pixels, heif_colorspa
   heif_image* image = nullptr;
   const heif_error error = heif.decode(handle, &image, colours, chroma, options.get());
   if (error.code != heif_error_Ok) return tl::unexpected(in_words(error));
-  return Decoded{&heif, std::shared_ptr<heif_image>(image, heif.image_release)};
+  Decoded decoded{std::shared_ptr<heif_image>(image, heif.image_release)};
+  decoded.width = heif.width(image, channel);
+  decoded.height = heif.height(image, channel);
+  decoded.bits = heif.bits(image, channel);
+  decoded.rows = heif.plane(image, channel, &decoded.stride);
+  if (decoded.rows == nullptr) return fail("it has no luma, expected YCbCr or grey");
+  if (too_large(decoded.width, decoded.height, most_pixels)) return fail("it has too many pixels");
+  return decoded;
 }
 
 // --- boxes ---
@@ -263,19 +270,15 @@ std::string heif_exif(std::string_view bytes) {
 }
 
 Result<GrayImage> decode_heif(std::string_view bytes, double most_pixels) {
-  const auto decoded = decode(bytes, most_pixels, heif_colorspace_YCbCr, heif_chroma_420);
+  const auto decoded =
+      decode(bytes, most_pixels, heif_colorspace_YCbCr, heif_chroma_420, heif_channel_Y);
   if (!decoded) return fail(decoded);
-  int stride = 0;
-  const std::uint8_t* rows = decoded->rows(heif_channel_Y, stride);
-  const int width = decoded->width(heif_channel_Y);
-  const int height = decoded->height(heif_channel_Y);
-  if (rows == nullptr) return fail("it has no luma, expected YCbCr or grey");
-  if (too_large(width, height, most_pixels)) return fail("it has too many pixels");
-  const int bits = decoded->heif->bits(decoded->image.get(), heif_channel_Y);
-  GrayImage image{width, height, {}};
-  image.samples.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (int y = 0; y < height; ++y) {
-    const std::uint8_t* row = rows + static_cast<std::ptrdiff_t>(y) * stride;
+  const int width = decoded->width;
+  const int bits = decoded->bits;
+  GrayImage image{width, decoded->height, {}};
+  image.samples.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    const std::uint8_t* row = decoded->row(y);
     if (bits <= 8) {
       image.samples.insert(image.samples.end(), row, row + width);
       continue;
@@ -288,17 +291,12 @@ Result<GrayImage> decode_heif(std::string_view bytes, double most_pixels) {
 }
 
 Result<ColourImage> decode_heif_colour(std::string_view bytes, double most_pixels) {
-  const auto decoded = decode(bytes, most_pixels, heif_colorspace_RGB, heif_chroma_interleaved_RGB);
+  const auto decoded = decode(bytes, most_pixels, heif_colorspace_RGB, heif_chroma_interleaved_RGB,
+                              heif_channel_interleaved);
   if (!decoded) return fail(decoded);
-  int stride = 0;
-  const std::uint8_t* rows = decoded->rows(heif_channel_interleaved, stride);
-  ColourImage image{
-      decoded->width(heif_channel_interleaved), decoded->height(heif_channel_interleaved), {}};
-  if (rows == nullptr || too_large(image.width, image.height, most_pixels)) {
-    return fail("it has no colours, or too many pixels");
-  }
+  ColourImage image{decoded->width, decoded->height, {}};
   for (int y = 0; y < image.height; ++y) {
-    const std::uint8_t* row = rows + static_cast<std::ptrdiff_t>(y) * stride;
+    const std::uint8_t* row = decoded->row(y);
     for (int x = 0; x < image.width; ++x, row += 3) {
       image.samples.insert(image.samples.end(), {row[2], row[1], row[0]});
     }
