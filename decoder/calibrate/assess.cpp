@@ -31,17 +31,8 @@ struct Case {
 
   double refused_ray_px() const { return kRefusedRay * calibration.camera.width; }
 
-  // Whether rays or focal length are more uncertain than they should be, and how bad that is.
-  CalibrationTrust precision() const {
-    const double worst = grid.worst_sigma_px();
-    if (focal_sigma > kRefusedFocal || worst > refused_ray_px()) {
-      return CalibrationTrust::refused;
-    }
-    if (focal_sigma > kWeakFocal || worst > kWeakRay) {
-      return CalibrationTrust::weak;
-    }
-    return CalibrationTrust::good;
-  }
+  // Whether rays or focal length are more uncertain than they should be.
+  bool is_weak() const { return focal_sigma > kWeakFocal || grid.worst_sigma_px() > kWeakRay; }
 };
 
 using Findings = std::vector<CalibrationFinding>;
@@ -117,8 +108,7 @@ void find_uncovered(const Case& c, Findings& findings) {
 void find_too_few(const Case& c, Findings& findings) {
   constexpr std::size_t kEnough = 10;
   const std::size_t used = photos_used(c.calibration);
-  const CalibrationTrust precision = c.precision();
-  if (used >= kEnough || (precision == CalibrationTrust::good && used >= 3)) return;
+  if (used >= kEnough || (used >= 3 && !c.is_weak())) return;
   // Two photos leave no redundancy that would show a bent board or another zoom.
   const auto trust = used < 3 ? CalibrationTrust::refused : CalibrationTrust::good;
   findings.push_back({CalibrationIssue::too_few_photos, trust, static_cast<double>(used), kEnough,

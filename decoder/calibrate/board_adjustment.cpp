@@ -38,6 +38,28 @@ Matrix3d across(const Vector3d& v) {
   return matrix;
 }
 
+// --- what is known before anything is measured ---
+
+// Standard deviation of edge_px: it is that of an infinitely thick stroke, up to 0.7 pixels where
+// strokes of usual thickness move by 0.13.
+constexpr double kEdgeSigma = 1;
+
+// Of a board's shape: usual values of it. The stretch follows from the board's scale_sigma. Ink
+// grows by some hundredths of a millimetre, 0.1 on poor paper; the bow of half a percent of a side
+// is that of a sheet that is taped to a wall; strong sharpening moves the sides of a stroke of 2.5
+// pixels by 0.15 pixels less than those of thick ones.
+Eigen::Matrix<double, kShapeParameters, 1> shape_sigmas(const BoardPlane& plane) {
+  constexpr double kGrowth = 1e-4;
+  constexpr double kBow = 0.005;
+  constexpr double kLeastStretch = 1e-6;  // of a board that is exact: small, and can be inverted
+  constexpr double kThinStroke = 1;
+  const double bow = kBow * 2 * plane.half_size.maxCoeff();
+  Eigen::Matrix<double, kShapeParameters, 1> sigmas;
+  sigmas << std::max(std::sqrt(2.0) * plane.scale_sigma, kLeastStretch), kGrowth, bow, bow, bow,
+      kThinStroke;
+  return sigmas;
+}
+
 // --- one tag ---
 
 // The direction in which ink grows over the inner corners P, F, lower right, Q.
@@ -469,18 +491,6 @@ CalibrationProblem calibration_problem(std::span<const BoardView> views,
     for (auto& entry : by_board) problem.sightings.push_back(std::move(entry.second));
   }
   return problem;
-}
-
-Eigen::Matrix<double, kShapeParameters, 1> shape_sigmas(const BoardPlane& plane) {
-  constexpr double kGrowth = 1e-4;
-  constexpr double kBow = 0.005;
-  constexpr double kLeastStretch = 1e-6;  // of a board that is exact: small, and can be inverted
-  constexpr double kThinStroke = 1;
-  const double bow = kBow * 2 * plane.half_size.maxCoeff();
-  Eigen::Matrix<double, kShapeParameters, 1> sigmas;
-  sigmas << std::max(std::sqrt(2.0) * plane.scale_sigma, kLeastStretch), kGrowth, bow, bow, bow,
-      kThinStroke;
-  return sigmas;
 }
 
 std::optional<CornerPixels> residual_of(const CalibrationProblem& problem,

@@ -71,12 +71,6 @@ struct BoardShape {
 
 inline constexpr Eigen::Index kShapeParameters = 6;  // stretch, growth, bow, thin_stroke
 
-// Usual values of these: the standard deviations that they are fitted with. The stretch follows
-// from the board's scale_sigma. Ink grows by some hundredths of a millimetre, 0.1 on poor paper;
-// the bow of half a percent of a side is that of a sheet that is taped to a wall; strong sharpening
-// moves the sides of a stroke of 2.5 pixels by 0.15 pixels less than those of thick ones.
-Eigen::Matrix<double, kShapeParameters, 1> shape_sigmas(const BoardPlane& plane);
-
 // Of one sighting: six of the pose (shift, then turn, both in camera axes, the turn about the
 // board's middle), and how far sharpening and the tone curve move the sides of thick strokes
 // outward.
@@ -87,10 +81,6 @@ struct SightingState {
   Pose camera_from_middle;  // of the board frame moved to the board's middle
   double edge_px = 0;
 };
-
-// Standard deviation of edge_px before anything is measured: it is that of an infinitely thick
-// stroke, up to 0.7 pixels where strokes of usual thickness move by 0.13.
-inline constexpr double kEdgeSigma = 1;
 
 struct CalibrationState {
   Camera camera;

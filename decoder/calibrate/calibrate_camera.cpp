@@ -552,6 +552,11 @@ bool has_other_focal(const CalibratedSighting& sighting) {
   return sigma > 0 && change > kChance * sigma && change > kLeast;
 }
 
+// ---- From photo files' pixels.
+
+namespace {
+
+// The guess with which a photo is read again: the camera, and where it has the photo's boards.
 BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view) {
   BoardGuess guess{calibration.camera, {}};
   for (const CalibratedSighting& sighting : calibration.sightings) {
@@ -561,10 +566,6 @@ BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view) {
   }
   return guess;
 }
-
-// ---- From photo files' pixels.
-
-namespace {
 
 using ReadView = std::function<BoardView(const GrayView&, std::size_t)>;
 

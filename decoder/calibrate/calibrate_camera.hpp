@@ -122,9 +122,6 @@ CameraScatter camera_scatter(std::span<const CalibratedSighting> sightings);
 // Whether the sighting on its own certainly has another focal length than the calibration.
 bool has_other_focal(const CalibratedSighting& sighting);
 
-// The guess with which a photo is read again: the camera, and where it has the photo's boards.
-BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view);
-
 // ---- From photo files' pixels: read, calibrate, read again knowing the camera, calibrate.
 
 // Photos by their number, loaded when they are needed: twice each. Several threads call it at once.

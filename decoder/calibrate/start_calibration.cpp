@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -114,12 +115,22 @@ CalibrationProblem richest(const CalibrationProblem& problem) {
   return some;
 }
 
+// The pose of one sighting for a camera that is known: by the homography of its rays. Nothing when
+// a corner has no ray or there is no such pose.
+std::optional<Pose> start_pose(const CalibrationProblem& problem, const Camera& camera,
+                               const BoardSighting& sighting) {
+  const auto points = plane_points(camera, sighting);
+  if (!points || points->empty()) return std::nullopt;
+  const double size = problem.planes[sighting.board].half_size.norm();
+  return pose_of(homography_of(*points, size), *points);
+}
+
 // A sighting that this camera cannot have made stays at the camera's centre, where nothing of it is
 // visible and every tag costs much.
 CalibrationState placed(const CalibrationProblem& problem, const Camera& camera) {
   CalibrationState state{camera, std::vector<BoardShape>(problem.planes.size()), {}};
   for (const BoardSighting& sighting : problem.sightings) {
-    state.sightings.push_back(start_sighting(problem, camera, sighting).value_or(SightingState{}));
+    state.sightings.push_back({start_pose(problem, camera, sighting).value_or(Pose{}), 0});
   }
   return state;
 }
@@ -171,16 +182,6 @@ std::vector<RoughFit> best_of_grid(const CalibrationProblem& problem, LensModel 
 }
 
 }  // namespace
-
-std::optional<SightingState> start_sighting(const CalibrationProblem& problem, const Camera& camera,
-                                            const BoardSighting& sighting) {
-  const auto points = plane_points(camera, sighting);
-  if (!points || points->empty()) return std::nullopt;
-  const double size = problem.planes[sighting.board].half_size.norm();
-  const auto pose = pose_of(homography_of(*points, size), *points);
-  if (!pose) return std::nullopt;
-  return SightingState{*pose, 0};
-}
 
 CalibrationState start_calibration(const CalibrationProblem& problem, LensModel lens) {
   const CalibrationProblem some = richest(problem);

@@ -2,8 +2,6 @@
 // A first camera and first poses, without any initial guess.
 #pragma once
 
-#include <optional>
-
 #include "decoder/calibrate/board_adjustment.hpp"
 
 namespace tagsmith::detail {
@@ -16,10 +14,5 @@ namespace tagsmith::detail {
 // Trying focal lengths needs no photo to be free of distortion, as the closed form of Zhang (2000,
 // "A flexible new technique for camera calibration") does, and holds for fisheyes alike.
 CalibrationState start_calibration(const CalibrationProblem& problem, LensModel lens);
-
-// The pose of one sighting for a camera that is known: by the homography of its rays, then fitted.
-// Nothing when a corner has no ray or there is no such pose.
-std::optional<SightingState> start_sighting(const CalibrationProblem& problem, const Camera& camera,
-                                            const BoardSighting& sighting);
 
 }  // namespace tagsmith::detail

@@ -51,8 +51,6 @@ std::vector<ProofTag> tags_on(std::span<const ProofPage> pages) {
   return tags;
 }
 
-bool has_png_name(const fs::path& path) { return path.extension() == ".png"; }
-
 // A whole fraction of the printer's dots, so that edges on dots lie on pixels.
 double resolution_for(const ProofTag& tag, int dots_per_inch) {
   const Rectangle& frame = tag.drawing().frame_outer;
@@ -60,7 +58,7 @@ double resolution_for(const ProofTag& tag, int dots_per_inch) {
   const auto& [proof_page, shown] = tag.pieces.front();
   const bool whole_page = is_svg(proof_page->file);
   const double page_area = proof_page->page->width * proof_page->page->height;
-  if (has_png_name(proof_page->file)) return dots_per_inch;
+  if (proof_page->file.extension() == ".png") return dots_per_inch;
   for (int part = 1;; ++part) {
     const double per_metre = dots_per_inch / (part * kMetresPerInch);
     const bool fits = tag_area * per_metre * per_metre <= kMaxTagPixels &&
