@@ -24,45 +24,45 @@ namespace {
 constexpr double kLongestSide = 9.999;  // metres: four digits of millimetres
 constexpr int kMostTagsASide = 600;     // modules of 0.264 mm make 550 rows of 9.999 m
 
+// To a nanometre.
+std::string metres(double value) { return format_number(value, 9); }
+
+std::string pair_text(double right, double down) {
+  return "[" + metres(right) + ", " + metres(down) + "]";
+}
+
 // A pair of lengths of the sheet, metres.
-std::optional<std::vector<double>> read_lengths(const MapReader& map, std::string_view key,
-                                                const std::string& hint) {
-  return read_numbers(map.need(key, hint), map.name_of(key), 2, above_zero(kLongestSide, "m"),
-                      map.log());
+std::optional<std::vector<double>> read_lengths(const YamlValue& value) {
+  return read_numbers(value, 2, above_zero(kLongestSide, "m"));
 }
 
 // Places that codes can represent.
-void check_millimetres(const MapReader& tags, std::string_view key,
-                       const std::vector<double>& lengths) {
+void check_millimetres(const YamlValue& value, const std::vector<double>& lengths) {
   const auto is_whole = [](double metres) {
     constexpr double kRounding = 1e-6;  // millimetres
     const double millimetres = metres / kMillimetre;
     return std::abs(millimetres - std::round(millimetres)) < kRounding;
   };
   if (std::ranges::all_of(lengths, is_whole)) return;
-  tags.log().error(tags.find(key)->place, "off-millimetre",
-                   tags.name_of(key) + " is [" + format_number(lengths[0], 9) + ", " +
-                       format_number(lengths[1], 9) + "] m, expected whole millimetres",
-                   "the codes say places in millimetres: take the numbers that `tagsmith board` "
-                   "wrote");
+  value.error(
+      "off-millimetre",
+      value.name + " is " + pair_text(lengths[0], lengths[1]) + " m, expected whole millimetres",
+      "the codes say places in millimetres: take the numbers that `tagsmith board` wrote");
 }
 
 // Whole millimetres, which decimals of metres miss by a rounding of doubles.
 double whole_millimetres(double metres) { return std::round(metres / kMillimetre) * kMillimetre; }
 
 void read_grid(const MapReader& tags, BoardGrid& grid) {
-  FindingLog& log = tags.log();
-  grid.columns = read_integer(tags.need("columns", "columns: 4"), tags.name_of("columns"), 1,
-                              kMostTagsASide, log)
-                     .value_or(0);
-  grid.rows =
-      read_integer(tags.need("rows", "rows: 5"), tags.name_of("rows"), 1, kMostTagsASide, log)
-          .value_or(0);
-  const auto first = read_lengths(tags, "first", "first: [x, y] of the first tag's P in metres");
-  const auto step = read_lengths(tags, "step", "step: [right, down] from tag to tag in metres");
+  grid.columns = read_integer(tags.need("columns", "columns: 4"), 1, kMostTagsASide).value_or(0);
+  grid.rows = read_integer(tags.need("rows", "rows: 5"), 1, kMostTagsASide).value_or(0);
+  const YamlValue firsts = tags.need("first", "first: [x, y] of the first tag's P in metres");
+  const YamlValue steps = tags.need("step", "step: [right, down] from tag to tag in metres");
+  const auto first = read_lengths(firsts);
+  const auto step = read_lengths(steps);
   if (!first || !step) return;
-  check_millimetres(tags, "first", *first);
-  check_millimetres(tags, "step", *step);
+  check_millimetres(firsts, *first);
+  check_millimetres(steps, *step);
   grid.first = {whole_millimetres((*first)[0]), whole_millimetres((*first)[1])};
   grid.step_right = whole_millimetres((*step)[0]);
   grid.step_down = whole_millimetres((*step)[1]);
@@ -73,17 +73,17 @@ void check_places(const Board& board, const MapReader& file) {
   constexpr double kRounding = 1e-9;
   const TagTemplate& tag = board.tag;
   const BoardGrid& grid = board.grid;
-  const Place place = file.find("tags")->place;
+  const YamlValue tags = file.at("tags");
   const double length = tag.frame_inner_length + 2 * tag.frame_stroke;
   const double height = tag.frame_inner_height + 2 * tag.frame_stroke;
   const bool apart = (grid.columns == 1 || grid.step_right > length - kRounding) &&
                      (grid.rows == 1 || grid.step_down > height - kRounding);
   if (!apart) {
-    file.log().error(place, "tags-overlap",
-                     "tags.step is [" + format_number(grid.step_right) + ", " +
-                         format_number(grid.step_down) + "] m, but a feature frame takes " +
-                         format_number(length) + " x " + format_number(height) + " m",
-                     "take the numbers that `tagsmith board` wrote");
+    tags.error("tags-overlap",
+               "tags.step is [" + format_number(grid.step_right) + ", " +
+                   format_number(grid.step_down) + "] m, but a feature frame takes " +
+                   format_number(length) + " x " + format_number(height) + " m",
+               "take the numbers that `tagsmith board` wrote");
   }
   const double right = grid.first.x + (grid.columns - 1) * grid.step_right + length;
   const double lower = grid.first.y + (grid.rows - 1) * grid.step_down + height;
@@ -92,11 +92,11 @@ void check_places(const Board& board, const MapReader& file) {
                       right - stroke < board.width + kRounding &&
                       lower - stroke < board.height + kRounding;
   if (!inside) {
-    file.log().error(place, "outside-sheet",
-                     "the tags reach to " + format_number(right - stroke) + ", " +
-                         format_number(lower - stroke) + " m, the sheet is " +
-                         format_number(board.width) + " x " + format_number(board.height) + " m",
-                     "take the numbers that `tagsmith board` wrote");
+    tags.error("outside-sheet",
+               "the tags reach to " + format_number(right - stroke) + ", " +
+                   format_number(lower - stroke) + " m, the sheet is " +
+                   format_number(board.width) + " x " + format_number(board.height) + " m",
+               "take the numbers that `tagsmith board` wrote");
   }
 }
 
@@ -129,24 +129,20 @@ void check_scale(const Board& board, const MapReader& measured) {
                              : "measure from cross to cross, in millimetres; if that is right, "
                                "print again at 100 %, "
                                "without \"fit to page\"";
-    measured.log().error(measured.place(), "board-scale", found + ", more than 2 % off", remedy);
+    measured.value().error("board-scale", found + ", more than 2 % off", remedy);
   } else if (std::abs(right - down) > kMostUnequalScale) {
-    measured.log().error(measured.place(), "board-scale",
-                         found + ", expected both within 1 % of each other",
-                         "measure both distances again; if they are right, another printer or "
-                         "paper");
+    measured.value().error("board-scale", found + ", expected both within 1 % of each other",
+                           "measure both distances again; if they are right, another printer or "
+                           "paper");
   }
 }
 
 void read_measured(const MapReader& file, Board& board) {
-  FindingLog& log = file.log();
-  const MapReader drawn_map(file.need("drawn", "drawn: { a_b_mm: 281, a_c_mm: 194 }"), "drawn",
-                            {"a_b_mm", "a_c_mm"}, log);
-  const auto drawn = drawn_map.is_map() ? read_distances(drawn_map) : std::nullopt;
+  const MapReader drawn_map(file.need("drawn", "drawn: { a_b_mm: 281, a_c_mm: 194 }"),
+                            {"a_b_mm", "a_c_mm"});
+  const auto drawn = read_distances(drawn_map);
   board.scale_sigma = kUnmeasuredScaleSigma;
-  if (!file.has("measured")) return;
-  const MapReader measured_map(file.find("measured"), "measured", {"a_b_mm", "a_c_mm", "sigma_mm"},
-                               log);
+  const MapReader measured_map(file.at("measured"), {"a_b_mm", "a_c_mm", "sigma_mm"});
   const auto measured = read_distances(measured_map);
   const double sigma =
       measured_map.number_or("sigma_mm", kUsualMeasuringSigma / kMillimetre, above_zero(10, "mm"));
@@ -156,41 +152,34 @@ void read_measured(const MapReader& file, Board& board) {
   check_scale(board, measured_map);
 }
 
-TagTemplate read_tag(const MapReader& file) {
-  FindingLog& log = file.log();
-  TagTemplate tag;
-  const MapReader frame(
-      file.need("feature_frame", "feature_frame: { inner: [0.0574, 0.0279], stroke: 0.002 }"),
-      "feature_frame", {"inner", "stroke"}, log);
-  read_feature_frame(frame, tag);
-  const MapReader symbol(file.need("symbol", "symbol: { quiet_zone: 9, margin: 9 }"), "symbol",
-                         {"quiet_zone", "margin", "dots_per_inch"}, log);
-  read_symbol(symbol, tag);
-  tag.label.shown = false;
-  return tag;
-}
-
-Board read_root(const YamlNode& root, FindingLog& log) {
+Board read_board_tree(const YamlValue& root, const fs::path& path) {
+  const FindingLog& log = *root.log;
   const MapReader file(
-      &root, "",
-      {"board", "serial", "sheet", "feature_frame", "symbol", "tags", "drawn", "measured"}, log);
+      root, {"board", "serial", "sheet", "feature_frame", "symbol", "tags", "drawn", "measured"});
   Board board;
-  board.name = read_name(file.need("board", "board: NAME"), "board", log).value_or("");
+  board.file = path;
+  board.name = read_name(file.need("board", "board: NAME")).value_or("");
   board.serial =
-      read_integer(file.need("serial", "serial: 0, to 999"), "serial", 0, kMostBoardSerial, log)
-          .value_or(0);
-  const auto sheet = read_lengths(file, "sheet", "sheet: [width, height] in metres");
+      read_integer(file.need("serial", "serial: 0, to 999"), 0, kMostBoardSerial).value_or(0);
+  const auto sheet = read_lengths(file.need("sheet", "sheet: [width, height] in metres"));
   if (sheet) {
     board.width = (*sheet)[0];
     board.height = (*sheet)[1];
   }
-  board.tag = read_tag(file);
+  read_feature_frame(
+      {file.need("feature_frame", "feature_frame: { inner: [0.0574, 0.0279], stroke: 0.002 }"),
+       {"inner", "stroke"}},
+      board.tag);
+  read_symbol({file.need("symbol", "symbol: { quiet_zone: 9, margin: 9 }"),
+               {"quiet_zone", "margin", "dots_per_inch"}},
+              board.tag);
+  board.tag.label.shown = false;
   board.tag.name = board.name;
-  const MapReader tags(file.need("tags",
-                                 "tags: { columns: 4, rows: 5, first: [0.017, 0.019], "
-                                 "step: [0.071, 0.036] }"),
-                       "tags", {"columns", "rows", "first", "step"}, log);
-  if (tags.is_map()) read_grid(tags, board.grid);
+  read_grid({file.need("tags",
+                       "tags: { columns: 4, rows: 5, first: [0.017, 0.019], "
+                       "step: [0.071, 0.036] }"),
+             {"columns", "rows", "first", "step"}},
+            board.grid);
   read_measured(file, board);
   if (!log.has_errors()) check_symbol(board.tag, file);
   if (!log.has_errors()) check_places(board, file);
@@ -204,29 +193,13 @@ Board read_root(const YamlNode& root, FindingLog& log) {
 }  // namespace
 
 Result<Diagnosed<Board>> read_board(const fs::path& path) {
-  return read_file(path).map([&](const std::string& text) {
-    return read_yaml_file<Board>(path, text, "board", [&](const YamlNode& root, FindingLog& log) {
-      Board board = read_root(root, log);
-      board.file = path;
-      return board;
-    });
-  });
+  return read_yaml_file<Board>(path, "board",
+                               [&](const YamlValue& root) { return read_board_tree(root, path); });
 }
 
 Result<Board> load_board(const fs::path& path) { return value_without_errors(read_board(path)); }
 
 // ---- Writing.
-
-namespace {
-
-// To a nanometre.
-std::string metres(double value) { return format_number(value, 9); }
-
-std::string pair_text(double right, double down) {
-  return "[" + metres(right) + ", " + metres(down) + "]";
-}
-
-}  // namespace
 
 std::string board_file_text(const Board& board) {
   const TagTemplate& tag = board.tag;

@@ -11,10 +11,11 @@ constexpr int kMostOfOneRule = 100;
 
 }  // namespace
 
-void FindingLog::error(Place place, std::string code, std::string message, std::string hint,
-                       std::optional<TextEdit> fix) {
+std::nullopt_t FindingLog::error(Place place, std::string code, std::string message,
+                                 std::string hint, std::optional<TextEdit> fix) {
   add({file_, place.line, place.column, Severity::error, std::move(code), std::move(message),
        std::move(hint), std::move(fix)});
+  return std::nullopt;
 }
 
 void FindingLog::warning(Place place, std::string code, std::string message, std::string hint) {

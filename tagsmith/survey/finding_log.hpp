@@ -24,8 +24,9 @@ class FindingLog {
  public:
   explicit FindingLog(std::string file) : file_(std::move(file)) {}
 
-  void error(Place place, std::string code, std::string message, std::string hint = {},
-             std::optional<TextEdit> fix = {});
+  // Returns nothing, for readers to return.
+  std::nullopt_t error(Place place, std::string code, std::string message, std::string hint = {},
+                       std::optional<TextEdit> fix = {});
   void warning(Place place, std::string code, std::string message, std::string hint = {});
 
   // Adds the findings of another file (a template that the survey names) unchanged.

@@ -25,43 +25,30 @@ constexpr const char* kFormats =
     "or "
     "a kalibr camchain";
 
-// A key of the file and its value; the formats spell one key in several ways.
-struct Entry {
-  std::string key;
-  const YamlNode* value = nullptr;
-
-  explicit operator bool() const { return value != nullptr; }
-};
-
-Entry find(const YamlNode& map, std::initializer_list<std::string_view> spellings,
-           FindingLog& log) {
-  Entry found;
-  for (std::size_t i = 0; i < map.keys.size(); ++i) {
-    const YamlKey& key = map.keys[i];
+// The value of a key, which the formats spell in several ways; its name is the key alone.
+YamlValue find(const YamlValue& map, std::initializer_list<std::string_view> spellings) {
+  YamlValue found{nullptr, "", map.log};
+  for (std::size_t i = 0; i < map.node->keys.size(); ++i) {
+    const YamlKey& key = map.node->keys[i];
     if (std::ranges::count(spellings, key.text) == 0) continue;
     if (found) {
-      log.error(key.place, "duplicate-key", "`" + key.text + "` after `" + found.key + "`",
-                "keep one of the two");
+      map.log->error(key.place, "duplicate-key", "`" + key.text + "` after `" + found.name + "`",
+                     "keep one of the two");
       continue;
     }
-    found = {key.text, &map.items[i]};
+    found.node = &map.node->items[i];
+    found.name = key.text;
   }
   return found;
 }
 
-const YamlNode* value_at(const YamlNode& map, std::string_view key, FindingLog& log) {
-  return find(map, {key}, log).value;
-}
-
-Entry need(const YamlNode& map, std::initializer_list<std::string_view> spellings,
-           FindingLog& log) {
-  Entry entry = find(map, spellings, log);
-  if (!entry) {
-    log.error(map.place, "missing-key",
-              "the key `" + std::string(*spellings.begin()) + "` is missing",
+YamlValue need(const YamlValue& map, std::initializer_list<std::string_view> spellings) {
+  YamlValue value = find(map, spellings);
+  if (!value) {
+    map.error("missing-key", "the key `" + std::string(*spellings.begin()) + "` is missing",
               "expected " + std::string(kFormats));
   }
-  return entry;
+  return value;
 }
 
 // --- matrices ---
@@ -76,32 +63,32 @@ void flatten(const YamlNode& node, std::vector<const YamlNode*>& numbers) {
 
 // The numbers of a matrix, row by row: a map with `data` (OpenCV's and ROS's, with `rows` and
 // `cols`) or a list, plain or of rows.
-std::optional<std::vector<double>> read_matrix(const Entry& entry, FindingLog& log) {
-  if (!entry) return std::nullopt;
-  const YamlNode* data = entry.value;
-  if (data->kind == YamlNode::Kind::map) data = need(*data, {"data"}, log).value;
-  if (data == nullptr || data->kind == YamlNode::Kind::broken) return std::nullopt;
+std::optional<std::vector<double>> read_matrix(const YamlValue& matrix) {
+  if (!matrix) return std::nullopt;
+  const bool is_map = matrix.is(YamlNode::Kind::map);
+  const YamlValue data = is_map ? need(matrix, {"data"}) : matrix;
+  if (!data || data.is(YamlNode::Kind::broken)) return std::nullopt;
   std::vector<const YamlNode*> nodes;
-  if (data->kind != YamlNode::Kind::empty) flatten(*data, nodes);
-  if (entry.value->kind == YamlNode::Kind::map) {
-    constexpr int kMost = 100;
-    const auto rows =
-        read_integer(value_at(*entry.value, "rows", log), entry.key + ".rows", 0, kMost, log);
-    const auto columns =
-        read_integer(value_at(*entry.value, "cols", log), entry.key + ".cols", 0, kMost, log);
+  if (!data.is(YamlNode::Kind::empty)) flatten(*data.node, nodes);
+  if (is_map) {
+    const auto size = [&](const char* key) {
+      constexpr int kMost = 100;
+      return read_integer({find(matrix, {key}).node, matrix.name + "." + key, matrix.log}, 0,
+                          kMost);
+    };
+    const auto rows = size("rows");
+    const auto columns = size("cols");
     if (rows && columns &&
         static_cast<std::size_t>(*rows) * static_cast<std::size_t>(*columns) != nodes.size()) {
-      log.error(data->place, "wrong-length",
-                entry.key + ".data has " + std::to_string(nodes.size()) + " numbers, expected " +
-                    std::to_string(*rows) + " x " + std::to_string(*columns));
-      return std::nullopt;
+      return data.error("wrong-length", fmt::format("{}.data has {} numbers, expected {} x {}",
+                                                    matrix.name, nodes.size(), *rows, *columns));
     }
   }
   constexpr double kLargest = 1e9;
   std::vector<double> values;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto value = read_number(nodes[i], entry.key + "[" + std::to_string(i) + "]",
-                                   between(-kLargest, kLargest, ""), log);
+    const auto value = read_number({nodes[i], fmt::format("{}[{}]", matrix.name, i), matrix.log},
+                                   between(-kLargest, kLargest, ""));
     if (!value) return std::nullopt;
     values.push_back(*value);
   }
@@ -110,8 +97,8 @@ std::optional<std::vector<double>> read_matrix(const Entry& entry, FindingLog& l
 
 // --- intrinsics ---
 
-bool set_intrinsics(Camera& camera, const std::vector<double>& fx_fy_cx_cy, const Entry& entry,
-                    FindingLog& log) {
+bool set_intrinsics(Camera& camera, const std::vector<double>& fx_fy_cx_cy,
+                    const YamlValue& stated) {
   camera.fx = fx_fy_cx_cy[0];
   camera.fy = fx_fy_cx_cy[1];
   camera.cx = fx_fy_cx_cy[2];
@@ -120,21 +107,21 @@ bool set_intrinsics(Camera& camera, const std::vector<double>& fx_fy_cx_cy, cons
                      camera.fy <= kLongestFocalPx;
   const bool centre = std::abs(camera.cx) <= kMostPixels && std::abs(camera.cy) <= kMostPixels;
   if (focal && centre) return true;
-  log.error(entry.value->place, "out-of-range",
-            entry.key + " says focal lengths of " + format_number(camera.fx) + " and " +
-                format_number(camera.fy) + " pixels and a principal point at (" +
-                format_number(camera.cx) + ", " + format_number(camera.cy) +
-                "), expected those of a camera",
-            focal ? "" : "all zero is what a camera without calibration publishes");
+  stated.error("out-of-range",
+               stated.name + " says focal lengths of " + format_number(camera.fx) + " and " +
+                   format_number(camera.fy) + " pixels and a principal point at (" +
+                   format_number(camera.cx) + ", " + format_number(camera.cy) +
+                   "), expected those of a camera",
+               focal ? "" : "all zero is what a camera without calibration publishes");
   return false;
 }
 
-bool read_camera_matrix(Camera& camera, const Entry& entry, FindingLog& log) {
-  const auto k = read_matrix(entry, log);
+bool read_camera_matrix(Camera& camera, const YamlValue& matrix) {
+  const auto k = read_matrix(matrix);
   if (!k) return false;
   if (k->size() != 9) {
-    log.error(entry.value->place, "wrong-length",
-              entry.key + " has " + std::to_string(k->size()) + " numbers, expected 3 x 3");
+    matrix.error("wrong-length",
+                 fmt::format("{} has {} numbers, expected 3 x 3", matrix.name, k->size()));
     return false;
   }
   constexpr double kNothing = 1e-6;
@@ -142,24 +129,23 @@ bool read_camera_matrix(Camera& camera, const Entry& entry, FindingLog& log) {
                           (*k)[6] == 0 && (*k)[7] == 0 &&
                           (std::abs((*k)[8] - 1) < kNothing || (*k)[0] == 0);
   if (!is_pinhole) {
-    log.error(entry.value->place, "camera-matrix",
-              entry.key + " is not [fx, 0, cx; 0, fy, cy; 0, 0, 1]",
-              "skewed pixels are not supported; a transposed matrix must be turned");
+    matrix.error("camera-matrix", matrix.name + " is not [fx, 0, cx; 0, fy, cy; 0, 0, 1]",
+                 "skewed pixels are not supported; a transposed matrix must be turned");
     return false;
   }
-  return set_intrinsics(camera, {(*k)[0], (*k)[4], (*k)[2], (*k)[5]}, entry, log);
+  return set_intrinsics(camera, {(*k)[0], (*k)[4], (*k)[2], (*k)[5]}, matrix);
 }
 
-bool read_size(Camera& camera, const Entry& width, const Entry& height, FindingLog& log) {
+bool read_size(Camera& camera, const YamlValue& width, const YamlValue& height) {
   if (!width && !height) return true;
   if (!width || !height) {
-    log.error((width ? width : height).value->place, "missing-key",
-              "the image's width or height is missing, expected both");
+    (width ? width : height)
+        .error("missing-key", "the image's width or height is missing, expected both");
     return false;
   }
   const int most = static_cast<int>(kMostPixels);
-  camera.width = read_integer(width.value, width.key, 1, most, log).value_or(0);
-  camera.height = read_integer(height.value, height.key, 1, most, log).value_or(0);
+  camera.width = read_integer(width, 1, most).value_or(0);
+  camera.height = read_integer(height, 1, most).value_or(0);
   return camera.width > 0 && camera.height > 0;
 }
 
@@ -169,154 +155,139 @@ std::string name_of(LensModel model) {
   return model == LensModel::fisheye ? "fisheye" : "perspective";
 }
 
-// What the file says of its lens model; `place` is where.
+// What the file says of its lens model; `by` is where.
 struct StatedModel {
   std::optional<LensModel> model;
-  Place place;
+  YamlValue by;
 };
 
 // The model of `count` coefficients; nothing, with an error, when file and rig contradict each
 // other or neither says what four coefficients are.
 std::optional<LensModel> agreed_model(const StatedModel& stated, std::optional<LensModel> requested,
-                                      std::size_t count, FindingLog& log) {
+                                      std::size_t count) {
   if (stated.model && requested && *stated.model != *requested) {
-    log.error(stated.place, "lens-model",
-              "the calibration is of a " + name_of(*stated.model) +
-                  " lens, the rig says model: " + name_of(*requested),
-              "remove `model` from the rig's camera");
-    return std::nullopt;
+    return stated.by.error("lens-model",
+                           "the calibration is of a " + name_of(*stated.model) +
+                               " lens, the rig says model: " + name_of(*requested),
+                           "remove `model` from the rig's camera");
   }
   if (stated.model) return stated.model;
   if (requested) return requested;
   if (count != 4) return LensModel::perspective;
-  log.error(stated.place, "lens-model",
-            "four distortion coefficients, which may be those of a perspective lens (k1, k2, p1, "
-            "p2) or of a fisheye (k1 to k4)",
-            "add `model: perspective` or `model: fisheye` to the rig's camera");
-  return std::nullopt;
+  return stated.by.error(
+      "lens-model",
+      "four distortion coefficients, which may be those of a perspective lens (k1, k2, p1, p2) or "
+      "of a fisheye (k1 to k4)",
+      "add `model: perspective` or `model: fisheye` to the rig's camera");
 }
 
-bool fail_on_count(const Entry& entry, std::size_t count, LensModel model, FindingLog& log) {
-  log.error(entry.value->place, "wrong-length",
-            entry.key + " has " + std::to_string(count) + " coefficients, expected " +
-                (model == LensModel::fisheye ? "4 of a fisheye" : "4, 5 or 8"));
-  return false;
-}
-
-bool set_distortion(Camera& camera, LensModel model, std::vector<double> k, const Entry& entry,
-                    FindingLog& log) {
+bool set_distortion(Camera& camera, LensModel model, std::vector<double> k,
+                    const YamlValue& stated) {
   camera.lens = model;
-  if (k.empty()) return true;
-  const std::size_t count = k.size();
-  if (model == LensModel::fisheye) {
-    if (count != 4) return fail_on_count(entry, count, model, log);
-  } else if (count == 12 || count == 14) {
+  const bool is_fisheye = model == LensModel::fisheye;
+  if (!is_fisheye && (k.size() == 12 || k.size() == 14)) {
     if (std::ranges::any_of(k.begin() + 8, k.end(), [](double value) { return value != 0; })) {
-      log.error(entry.value->place, "lens-model",
-                entry.key + " has thin-prism or tilt terms, which are not supported",
-                "calibrate without CALIB_THIN_PRISM_MODEL and CALIB_TILTED_MODEL");
+      stated.error("lens-model",
+                   stated.name + " has thin-prism or tilt terms, which are not supported",
+                   "calibrate without CALIB_THIN_PRISM_MODEL and CALIB_TILTED_MODEL");
       return false;
     }
     k.resize(8);
-  } else if (count != 4 && count != 5 && count != 8) {
-    return fail_on_count(entry, count, model, log);
+  }
+  const bool of_model = k.size() == 4 || (!is_fisheye && (k.size() == 5 || k.size() == 8));
+  if (!k.empty() && !of_model) {
+    stated.error("wrong-length",
+                 fmt::format("{} has {} coefficients, expected {}", stated.name, k.size(),
+                             is_fisheye ? "4 of a fisheye" : "4, 5 or 8"));
+    return false;
   }
   std::ranges::copy(k, camera.distortion.begin());
   return true;
 }
 
-bool read_distortion(Camera& camera, const Entry& entry, const StatedModel& stated,
-                     const CalibrationRequest& request, FindingLog& log) {
-  const auto k = read_matrix(entry, log);
+bool read_distortion(Camera& camera, const YamlValue& coefficients, const StatedModel& stated,
+                     const CalibrationRequest& request) {
+  const auto k = read_matrix(coefficients);
   if (!k) return false;
-  const auto model = agreed_model(stated, request.model, k->size(), log);
-  return model && set_distortion(camera, *model, *k, entry, log);
+  const auto model = agreed_model(stated, request.model, k->size());
+  return model && set_distortion(camera, *model, *k, coefficients);
 }
 
 // --- OpenCV and ROS ---
 
 // ROS names its models (sensor_msgs/distortion_models.hpp), OpenCV's sample program says whether it
 // used the fisheye's. Nothing, with an error, for a model that is not supported.
-std::optional<StatedModel> stated_model(const YamlNode& root, const Entry& distortion,
-                                        FindingLog& log) {
-  if (const YamlNode* xi = value_at(root, "xi", log)) {  // OpenCV's omnidir module
-    log.error(xi->place, "lens-model",
-              "xi: the calibration is of an omnidirectional lens (Mei), which is not supported",
-              "calibrate with cv::fisheye, or with tagsmith calibrate");
-    return std::nullopt;
+std::optional<StatedModel> stated_model(const YamlValue& root, const YamlValue& distortion) {
+  if (const YamlValue xi = find(root, {"xi"})) {  // OpenCV's omnidir module
+    return xi.error(
+        "lens-model",
+        "xi: the calibration is of an omnidirectional lens (Mei), which is not supported",
+        "calibrate with cv::fisheye, or with tagsmith calibrate");
   }
-  StatedModel stated{std::nullopt, distortion.value->place};
-  if (const YamlNode* name = value_at(root, "distortion_model", log)) {
-    stated.place = name->place;
-    if (name->kind == YamlNode::Kind::empty || name->text.empty()) return stated;
+  if (const YamlValue name = find(root, {"distortion_model"})) {
+    if (name.is(YamlNode::Kind::empty) || name.node->text.empty()) return StatedModel{{}, name};
     const auto word =
-        read_choice(name, "distortion_model",
-                    {"plumb_bob", "rational_polynomial", "equidistant", "fisheye"}, log);
+        read_choice(name, {"plumb_bob", "rational_polynomial", "equidistant", "fisheye"});
     if (!word) return std::nullopt;
     const bool is_fisheye = *word == "equidistant" || *word == "fisheye";
-    stated.model = is_fisheye ? LensModel::fisheye : LensModel::perspective;
-  } else if (const YamlNode* flag = value_at(root, "fisheye_model", log)) {
-    stated.place = flag->place;
-    const auto value = read_integer(flag, "fisheye_model", 0, 1, log);
-    if (!value) return std::nullopt;
-    stated.model = *value == 1 ? LensModel::fisheye : LensModel::perspective;
+    return StatedModel{is_fisheye ? LensModel::fisheye : LensModel::perspective, name};
   }
-  return stated;
+  if (const YamlValue flag = find(root, {"fisheye_model"})) {
+    const auto value = read_integer(flag, 0, 1);
+    if (!value) return std::nullopt;
+    return StatedModel{*value == 1 ? LensModel::fisheye : LensModel::perspective, flag};
+  }
+  return StatedModel{std::nullopt, distortion};
 }
 
 // A ROS message may say that its images are a part of the sensor or binned.
-bool shows_whole_image(const YamlNode& root, FindingLog& log) {
-  const auto check = [&](const YamlNode& map, const char* key, double most) {
-    const YamlNode* node = value_at(map, key, log);
-    const auto value = node != nullptr ? parse_number(node->text) : std::nullopt;
-    if (!value || *value <= most) return true;
-    log.error(node->place, "part-of-image",
-              std::string(key) + " is " + node->text + ": the camera gives a part of its image",
-              "calibrate with the images that the vehicle takes");
+bool shows_whole_image(const YamlValue& root) {
+  const auto number_of = [](const YamlValue& value) {
+    return value ? parse_number(value.node->text).value_or(0) : 0;
+  };
+  const auto is_whole = [](bool whole, const YamlValue& value, const std::string& stated) {
+    if (whole) return true;
+    value.error("part-of-image", stated + ": the camera gives a part of its image",
+                "calibrate with the images that the vehicle takes");
     return false;
   };
-  bool whole = check(root, "binning_x", 1) && check(root, "binning_y", 1);
-  if (const YamlNode* roi = value_at(root, "roi", log)) {
-    whole = check(*roi, "x_offset", 0) && check(*roi, "y_offset", 0) && whole;
-    const auto pixels = [&](const YamlNode& map, const char* key) {
-      const YamlNode* node = value_at(map, key, log);
-      return node != nullptr ? parse_number(node->text).value_or(0) : 0;
-    };
-    // 0, and the full size, mean the whole image.
-    const auto is_part = [&](const char* key) {
-      const double part = pixels(*roi, key);
-      const double all = pixels(root, key);
-      if (!(part > 0 && all > 0 && part < all)) return false;
-      log.error(
-          value_at(*roi, key, log)->place, "part-of-image",
-          fmt::format("roi.{} is {} of {}: the camera gives a part of its image", key, part, all),
-          "calibrate with the images that the vehicle takes");
-      return true;
-    };
-    if (is_part("width") || is_part("height")) whole = false;
-  }
-  return whole;
+  const auto is_at_most = [&](const YamlValue& map, const char* key, double most) {
+    const YamlValue value = find(map, {key});
+    return is_whole(number_of(value) <= most, value,
+                    value ? std::string(key) + " is " + value.node->text : "");
+  };
+  bool whole = is_at_most(root, "binning_x", 1) && is_at_most(root, "binning_y", 1);
+  const YamlValue roi = find(root, {"roi"});
+  if (!roi) return whole;
+  whole = is_at_most(roi, "x_offset", 0) && is_at_most(roi, "y_offset", 0) && whole;
+  // 0, and the full size, mean the whole image.
+  const auto is_full = [&](const char* key) {
+    const YamlValue value = find(roi, {key});
+    const double part = number_of(value);
+    const double all = number_of(find(root, {key}));
+    return is_whole(!(part > 0 && all > 0 && part < all), value,
+                    fmt::format("roi.{} is {} of {}", key, part, all));
+  };
+  return is_full("width") && is_full("height") && whole;
 }
 
-std::optional<Camera> read_matrices(const YamlNode& root, const CalibrationRequest& request,
-                                    FindingLog& log) {
+std::optional<Camera> read_matrices(const YamlValue& root, const CalibrationRequest& request) {
   if (!request.camera.empty()) {
-    log.error(root.place, "one-camera",
-              "the file holds one camera, not one called `" + request.camera + "`",
-              "remove `camera` from the rig's `calibration`");
-    return std::nullopt;
+    return root.error("one-camera",
+                      "the file holds one camera, not one called `" + request.camera + "`",
+                      "remove `camera` from the rig's `calibration`");
   }
-  const Entry matrix = need(root, {"camera_matrix", "Camera_Matrix", "K", "k"}, log);
-  const Entry distortion =
-      need(root, {"distortion_coefficients", "Distortion_Coefficients", "D", "d"}, log);
-  const Entry width = find(root, {"image_width", "image_Width", "width"}, log);
-  const Entry height = find(root, {"image_height", "image_Height", "height"}, log);
-  if (!matrix || !distortion || !shows_whole_image(root, log)) return std::nullopt;
-  const auto stated = stated_model(root, distortion, log);
+  const YamlValue matrix = need(root, {"camera_matrix", "Camera_Matrix", "K", "k"});
+  const YamlValue distortion =
+      need(root, {"distortion_coefficients", "Distortion_Coefficients", "D", "d"});
+  const YamlValue width = find(root, {"image_width", "image_Width", "width"});
+  const YamlValue height = find(root, {"image_height", "image_Height", "height"});
+  if (!matrix || !distortion || !shows_whole_image(root)) return std::nullopt;
+  const auto stated = stated_model(root, distortion);
   Camera camera;
-  const bool is_read = stated && read_camera_matrix(camera, matrix, log) &&
-                       read_distortion(camera, distortion, *stated, request, log) &&
-                       read_size(camera, width, height, log);
+  const bool is_read = stated && read_camera_matrix(camera, matrix) &&
+                       read_distortion(camera, distortion, *stated, request) &&
+                       read_size(camera, width, height);
   return is_read ? std::optional(camera) : std::nullopt;
 }
 
@@ -335,59 +306,55 @@ std::vector<std::string> kalibr_cameras(const YamlNode& root) {
   return names;
 }
 
-const YamlNode* choose_camera(const YamlNode& root, const std::vector<std::string>& names,
-                              const CalibrationRequest& request, FindingLog& log) {
-  if (request.camera.empty() && names.size() == 1) return value_at(root, names.front(), log);
+// Without a value where the file has no such camera, or several.
+YamlValue choose_camera(const YamlValue& root, const std::vector<std::string>& names,
+                        const CalibrationRequest& request) {
+  if (request.camera.empty() && names.size() == 1) return find(root, {names.front()});
+  if (std::ranges::count(names, request.camera) > 0) return find(root, {request.camera});
   if (request.camera.empty()) {
-    log.error(root.place, "several-cameras",
-              "the file holds the cameras " + either_of(names) + ", expected to be told which",
-              "write calibration: { file: " + request.file.filename().string() +
-                  ", camera: " + names.front() + " } in the rig");
-    return nullptr;
+    root.error("several-cameras",
+               "the file holds the cameras " + either_of(names) + ", expected to be told which",
+               "write calibration: { file: " + request.file.filename().string() +
+                   ", camera: " + names.front() + " } in the rig");
+  } else {
+    root.error("unknown-camera",
+               "no camera `" + request.camera + "`, expected " + either_of(names));
   }
-  if (std::ranges::count(names, request.camera) > 0) return value_at(root, request.camera, log);
-  log.error(root.place, "unknown-camera",
-            "no camera `" + request.camera + "`, expected " + either_of(names));
-  return nullptr;
+  return {};
 }
 
-std::optional<Camera> read_kalibr_camera(const YamlNode& node, const CalibrationRequest& request,
-                                         FindingLog& log) {
+std::optional<Camera> read_kalibr_camera(const YamlValue& entry,
+                                         const CalibrationRequest& request) {
   Camera camera;
-  const auto projection =
-      read_choice(need(node, {"camera_model"}, log).value, "camera_model", {"pinhole"}, log);
-  const Entry intrinsics = need(node, {"intrinsics"}, log);
-  const auto model = read_choice(need(node, {"distortion_model"}, log).value, "distortion_model",
-                                 {"radtan", "equidistant", "none"}, log);
-  const auto size = read_numbers(need(node, {"resolution"}, log).value, "resolution", 2,
-                                 between(1, kMostPixels, "pixels"), log);
+  const auto projection = read_choice(need(entry, {"camera_model"}), {"pinhole"});
+  const YamlValue intrinsics = need(entry, {"intrinsics"});
+  const auto model =
+      read_choice(need(entry, {"distortion_model"}), {"radtan", "equidistant", "none"});
+  const auto size = read_numbers(need(entry, {"resolution"}), 2, between(1, kMostPixels, "pixels"));
   if (!projection || !model || !size) return std::nullopt;
   camera.width = static_cast<int>((*size)[0]);
   camera.height = static_cast<int>((*size)[1]);
-  const auto numbers = read_numbers(intrinsics.value, intrinsics.key, 4,
-                                    between(-kLongestFocalPx, kLongestFocalPx, "pixels"), log);
-  if (!numbers || !set_intrinsics(camera, *numbers, intrinsics, log)) return std::nullopt;
+  const auto numbers =
+      read_numbers(intrinsics, 4, between(-kLongestFocalPx, kLongestFocalPx, "pixels"));
+  if (!numbers || !set_intrinsics(camera, *numbers, intrinsics)) return std::nullopt;
   const StatedModel stated{*model == "equidistant" ? LensModel::fisheye : LensModel::perspective,
-                           node.place};
-  if (*model == "none")
-    return agreed_model(stated, request.model, 0, log) ? std::optional(camera) : std::nullopt;
-  const Entry coefficients = need(node, {"distortion_coeffs"}, log);
-  if (!coefficients || !read_distortion(camera, coefficients, stated, request, log)) {
-    return std::nullopt;
-  }
-  return camera;
+                           entry};
+  const bool is_read =
+      *model == "none"
+          ? agreed_model(stated, request.model, 0).has_value()
+          : read_distortion(camera, need(entry, {"distortion_coeffs"}), stated, request);
+  return is_read ? std::optional(camera) : std::nullopt;
 }
 
-std::optional<Camera> read_calibration_tree(const YamlNode& root, const CalibrationRequest& request,
-                                            FindingLog& log) {
-  if (root.kind != YamlNode::Kind::map) {
-    log.error(root.place, "unknown-format", "no map of keys, expected " + std::string(kFormats));
-    return std::nullopt;
+std::optional<Camera> read_calibration_tree(const YamlValue& root,
+                                            const CalibrationRequest& request) {
+  if (!root.is(YamlNode::Kind::map)) {
+    return root.error("unknown-format", "no map of keys, expected " + std::string(kFormats));
   }
-  const std::vector<std::string> cameras = kalibr_cameras(root);
-  if (cameras.empty()) return read_matrices(root, request, log);
-  const YamlNode* node = choose_camera(root, cameras, request, log);
-  return node != nullptr ? read_kalibr_camera(*node, request, log) : std::nullopt;
+  const std::vector<std::string> cameras = kalibr_cameras(*root.node);
+  if (cameras.empty()) return read_matrices(root, request);
+  const YamlValue camera = choose_camera(root, cameras, request);
+  return camera ? read_kalibr_camera(camera, request) : std::nullopt;
 }
 
 // OpenCV begins with `%YAML:1.0`, which is no YAML directive, and a printed ROS message ends with
@@ -414,7 +381,7 @@ Result<Diagnosed<Camera>> read_calibration(const CalibrationRequest& request) {
       is_xml ? parse_xml(*text, log)
              : parse_yaml(plain_yaml(std::move(*text)), log, "tag:yaml.org,2002:opencv-matrix");
   Diagnosed<Camera> reading;
-  if (root) reading.value = read_calibration_tree(*root, request, log);
+  if (root) reading.value = read_calibration_tree({&*root, "", &log}, request);
   if (log.has_errors()) reading.value.reset();
   reading.diagnostics = log.sorted();
   return reading;

@@ -22,16 +22,14 @@ std::string words_of(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-std::optional<ImageSize> read_image_size(const MapReader& map) {
-  const YamlNode* node = map.find("image_size");
-  const std::string name = map.name_of("image_size");
-  const auto values = read_numbers(node, name, 2, between(1, kMostPixels, "pixels"), map.log());
-  if (!values) return std::nullopt;
-  if ((*values)[0] != std::floor((*values)[0]) || (*values)[1] != std::floor((*values)[1])) {
-    map.log().error(node->place, "wrong-type", name + " has fractions, expected whole pixels");
-    return std::nullopt;
+std::optional<ImageSize> read_image_size(const YamlValue& value) {
+  const auto sides = read_numbers(value, 2, between(1, kMostPixels, "pixels"));
+  if (!sides) return std::nullopt;
+  const auto [width, height] = std::array{(*sides)[0], (*sides)[1]};
+  if (width == std::floor(width) && height == std::floor(height)) {
+    return ImageSize{static_cast<int>(width), static_cast<int>(height)};
   }
-  return ImageSize{static_cast<int>((*values)[0]), static_cast<int>((*values)[1])};
+  return value.error("wrong-type", value.name + " has fractions, expected whole pixels");
 }
 
 void need_image_size(const MapReader& map) {
@@ -49,32 +47,31 @@ std::optional<Camera> read_lens(const MapReader& map, const ImageSize& size) {
   const auto focal =
       map.number("focal_length_mm", above_zero(10'000, "mm"),
                  "focal_length_mm and sensor_mm, or fx, fy, cx, cy, or calibration: FILE");
-  const auto sensor = read_numbers(map.need("sensor_mm", "sensor_mm: [width, height]"),
-                                   map.name_of("sensor_mm"), 2, above_zero(1000, "mm"), map.log());
+  const YamlValue sides = map.need("sensor_mm", "sensor_mm: [width, height]");
+  const auto sensor = read_numbers(sides, 2, above_zero(1000, "mm"));
   if (!focal || !sensor) return std::nullopt;
   const Camera camera =
       camera_from_sensor(size.width, size.height, *focal, (*sensor)[0], (*sensor)[1]);
   constexpr double kSquare = 0.02;  // data sheets round sensor sizes to a tenth of a millimetre
   if (std::abs(camera.fx / camera.fy - 1) > kSquare) {
-    map.log().warning(map.find("sensor_mm")->place, "odd-pixels",
-                      map.name_of("sensor_mm") + " and image_size give pixels of " +
-                          format_number(1000 * (*sensor)[0] / size.width, 3) + " x " +
-                          format_number(1000 * (*sensor)[1] / size.height, 3) +
-                          " micrometres, expected square ones",
-                      "check the order of width and height");
+    sides.warning("odd-pixels",
+                  sides.name + " and image_size give pixels of " +
+                      format_number(1000 * (*sensor)[0] / size.width, 3) + " x " +
+                      format_number(1000 * (*sensor)[1] / size.height, 3) +
+                      " micrometres, expected square ones",
+                  "check the order of width and height");
   }
   return camera;
 }
 
 // Five coefficients of a perspective lens, or eight of the rational model; four of a fisheye.
-std::optional<std::vector<double>> read_distortion(const MapReader& map, LensModel model) {
-  const YamlNode* node = map.find("distortion");
-  if (node == nullptr) return std::vector<double>{};
+std::optional<std::vector<double>> read_distortion(const YamlValue& value, LensModel model) {
+  if (!value) return std::vector<double>{};
   constexpr std::size_t kRational = 8;
   const bool is_rational =
-      node->kind == YamlNode::Kind::sequence && node->items.size() == kRational;
+      value.is(YamlNode::Kind::sequence) && value.node->items.size() == kRational;
   const std::size_t count = model == LensModel::fisheye ? 4 : is_rational ? kRational : 5;
-  return read_numbers(node, map.name_of("distortion"), count, between(-100, 100, ""), map.log());
+  return read_numbers(value, count, between(-100, 100, ""));
 }
 
 std::optional<Camera> read_numbers_of_lens(const MapReader& map, const ImageSize& size,
@@ -85,7 +82,7 @@ std::optional<Camera> read_numbers_of_lens(const MapReader& map, const ImageSize
   const auto fy = map.number("fy", focal);
   const auto cx = map.number("cx", centre);
   const auto cy = map.number("cy", centre);
-  const auto distortion = read_distortion(map, model);
+  const auto distortion = read_distortion(map.at("distortion"), model);
   if (!fx || !fy || !cx || !cy || !distortion) return std::nullopt;
   Camera camera{size.width, size.height, *fx, *fy, *cx, *cy, {}};
   std::ranges::copy(*distortion, camera.distortion.begin());
@@ -96,20 +93,19 @@ std::optional<Camera> read_numbers_of_lens(const MapReader& map, const ImageSize
 
 // calibration: FILE, or calibration: { file: FILE, camera: KEY }.
 std::optional<CalibrationRequest> read_request(const MapReader& map, const fs::path& folder) {
-  const YamlNode* node = map.find("calibration");
-  const std::string name = map.name_of("calibration");
+  const YamlValue value = map.at("calibration");
   CalibrationRequest request;
   std::optional<std::string> file;
-  if (node->kind == YamlNode::Kind::map) {
-    const MapReader choice(node, name, {"file", "camera"}, map.log());
-    file = read_text(choice.need("file", "file: FILE"), name + ".file", map.log());
+  if (value.is(YamlNode::Kind::map)) {
+    const MapReader choice(value, {"file", "camera"});
+    file = read_text(choice.need("file", "file: FILE"));
     if (choice.has("camera")) {
-      const auto camera = read_text(choice.find("camera"), name + ".camera", map.log());
+      const auto camera = read_text(choice.at("camera"));
       if (!camera) return std::nullopt;
       request.camera = *camera;
     }
   } else {
-    file = read_text(node, name, map.log());
+    file = read_text(value);
   }
   if (!file) return std::nullopt;
   request.file = folder / *file;
@@ -127,11 +123,11 @@ bool settle_size(const MapReader& map, const std::optional<ImageSize>& size, con
     return size.has_value();
   }
   if (!size || (size->width == camera.width && size->height == camera.height)) return true;
-  map.log().error(map.find("image_size")->place, "calibration-size",
-                  map.name_of("image_size") + " is " + words_of(size->width, size->height) +
-                      ", but " + file.string() + " was calibrated with images of " +
-                      words_of(camera.width, camera.height),
-                  "calibrate with images of the size that the vehicle takes");
+  const YamlValue value = map.at("image_size");
+  value.error("calibration-size",
+              value.name + " is " + words_of(size->width, size->height) + ", but " + file.string() +
+                  " was calibrated with images of " + words_of(camera.width, camera.height),
+              "calibrate with images of the size that the vehicle takes");
   return false;
 }
 
@@ -142,10 +138,9 @@ std::optional<Intrinsics> read_calibration_file(const MapReader& map,
   if (!request) return std::nullopt;
   Result<Diagnosed<Camera>> reading = read_calibration(*request);
   if (!reading) {
-    map.log().error(map.find("calibration")->place, "calibration-file",
-                    map.name_of("calibration") + ": " + reading.error().message,
-                    "its path is relative to the rig's folder");
-    return std::nullopt;
+    const YamlValue value = map.at("calibration");
+    return value.error("calibration-file", value.name + ": " + reading.error().message,
+                       "its path is relative to the rig's folder");
   }
   map.log().append(reading->diagnostics);
   if (!reading->value || (map.has("image_size") && !size)) return std::nullopt;
@@ -155,29 +150,29 @@ std::optional<Intrinsics> read_calibration_file(const MapReader& map,
 
 // --- plausibility ---
 
-// Numbers that are improbable for this camera and image size. `place`: where they are stated.
-void warn_of_odd_lens(const MapReader& map, Place place, const Camera& camera) {
-  FindingLog& log = map.log();
+// Numbers that are improbable for this camera and image size. `stated`: by what.
+void warn_of_odd_lens(const MapReader& map, const YamlValue& stated, const Camera& camera) {
+  const std::string& name = map.value().name;
   if (!in_image(camera, {camera.cx, camera.cy})) {
-    log.warning(place, "odd-principal-point", map.name() + ": cx, cy lie outside the image",
-                "was the camera calibrated at another image size?");
+    stated.warning("odd-principal-point", name + ": cx, cy lie outside the image",
+                   "was the camera calibrated at another image size?");
   }
   if (camera.lens == LensModel::fisheye) return;
   constexpr double kWidest = 0.2;  // 136 degrees across
   if (camera.fx < kWidest * camera.width) {
-    log.warning(place, "odd-focal-length",
-                map.name() + ": a focal length of " + format_number(camera.fx, 1) + " pixels for " +
-                    std::to_string(camera.width) + " pixels of width",
-                map.has("focal_length_mm")
-                    ? "focal_length_mm and sensor_mm are in millimetres: 6 for 0.006 m"
-                    : "focal lengths are in pixels here; so wide a lens needs model: fisheye");
+    stated.warning("odd-focal-length",
+                   name + ": a focal length of " + format_number(camera.fx, 1) + " pixels for " +
+                       std::to_string(camera.width) + " pixels of width",
+                   map.has("focal_length_mm")
+                       ? "focal_length_mm and sensor_mm are in millimetres: 6 for 0.006 m"
+                       : "focal lengths are in pixels here; so wide a lens needs model: fisheye");
   }
   constexpr double kAlike = 0.05;
   if (std::abs(camera.fx / camera.fy - 1) > kAlike) {
-    log.warning(place, "odd-focal-length",
-                map.name() + ": focal lengths of " + format_number(camera.fx, 1) + " and " +
-                    format_number(camera.fy, 1) + " pixels across and down",
-                "pixels are square, or nearly so: is a digit missing?");
+    stated.warning("odd-focal-length",
+                   name + ": focal lengths of " + format_number(camera.fx, 1) + " and " +
+                       format_number(camera.fy, 1) + " pixels across and down",
+                   "pixels are square, or nearly so: is a digit missing?");
   }
   const double right = camera.width - 1.0;
   const double bottom = camera.height - 1.0;
@@ -185,11 +180,11 @@ void warn_of_odd_lens(const MapReader& map, Place place, const Camera& camera) {
   const bool reaches = std::ranges::all_of(
       corners, [&](const auto& corner) { return ray_through(camera, corner).has_value(); });
   if (reaches) return;
-  log.warning(place, "lens-reach",
-              map.name() +
-                  ": the distortion folds back before it reaches the image's corners; what is "
-                  "seen there cannot be used",
-              "calibrate with the target in the corners of the image too");
+  stated.warning("lens-reach",
+                 name +
+                     ": the distortion folds back before it reaches the image's corners; what is "
+                     "seen there cannot be used",
+                 "calibrate with the target in the corners of the image too");
 }
 
 }  // namespace
@@ -210,7 +205,7 @@ std::optional<Intrinsics> read_intrinsics(const MapReader& map, const fs::path& 
   const IntrinsicsSource source = intrinsics_source(map);
   const bool by_file = source == IntrinsicsSource::calibration_file;
   if (!by_file) need_image_size(map);
-  const std::optional<ImageSize> size = read_image_size(map);
+  const std::optional<ImageSize> size = read_image_size(map.at("image_size"));
   for (const char* key : {"fx", "distortion", "calibration"}) {
     map.exclude_each_other({"focal_length_mm", key});
   }
@@ -231,7 +226,7 @@ std::optional<Intrinsics> read_intrinsics(const MapReader& map, const fs::path& 
     if (camera) camera->lens = model;
     if (camera && size) intrinsics = Intrinsics{*camera, {}};
   }
-  if (intrinsics) warn_of_odd_lens(map, map.find(told_by)->place, intrinsics->camera);
+  if (intrinsics) warn_of_odd_lens(map, map.at(told_by), intrinsics->camera);
   return intrinsics;
 }
 

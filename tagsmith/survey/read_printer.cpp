@@ -10,21 +10,21 @@
 namespace tagsmith::detail {
 namespace {
 
-PrinterProfile read_profile(const YamlNode& root, FindingLog& log) {
-  const MapReader file(&root, "", {"printer", "scale", "bar_growth_mm", "dot_gain_percent"}, log);
+PrinterProfile read_profile(const YamlValue& root) {
+  const MapReader file(root, {"printer", "scale", "bar_growth_mm", "dot_gain_percent"});
   PrinterProfile profile;
-  profile.name = read_name(file.need("printer", "printer: NAME"), "printer", log).value_or("");
-  const YamlNode* const scales = file.need("scale", "scale: [1.001, 0.999], printed over drawn");
-  const auto scale = read_numbers(scales, "scale", 2, between(0, 2, ""), log);
+  profile.name = read_name(file.need("printer", "printer: NAME")).value_or("");
+  const YamlValue scales = file.need("scale", "scale: [1.001, 0.999], printed over drawn");
+  const auto scale = read_numbers(scales, 2, between(0, 2, ""));
   if (scale) profile.scale = {(*scale)[0], (*scale)[1]};
   if (scale && !is_usual(profile.scale)) {
-    log.error(scales->place, "out-of-range",
-              fmt::format("scale is {:g} and {:g}, expected {}", profile.scale.right,
-                          profile.scale.down, usual_scales()),
-              "print the test sheet again at 100 %, without \"fit to page\", and measure it");
+    scales.error("out-of-range",
+                 fmt::format("scale is {:g} and {:g}, expected {}", profile.scale.right,
+                             profile.scale.down, usual_scales()),
+                 "print the test sheet again at 100 %, without \"fit to page\", and measure it");
   }
-  const auto growth = read_numbers(file.need("bar_growth_mm", "bar_growth_mm: [0.08, 0.06]"),
-                                   "bar_growth_mm", 2, between(-2, 2, "mm"), log);
+  const auto growth = read_numbers(file.need("bar_growth_mm", "bar_growth_mm: [0.08, 0.06]"), 2,
+                                   between(-2, 2, "mm"));
   if (growth) {
     profile.growth_right = (*growth)[0] / 1000;
     profile.growth_down = (*growth)[1] / 1000;
@@ -36,15 +36,7 @@ PrinterProfile read_profile(const YamlNode& root, FindingLog& log) {
 }  // namespace
 
 Result<PrinterProfile> read_printer_profile(const std::filesystem::path& path) {
-  constexpr std::size_t kMostBytes = 1U << 20U;
-  const Result<std::string> text = read_file(path, kMostBytes);
-  if (!text) return fail(text);
-  FindingLog log(path.string());
-  const std::optional<YamlNode> root = parse_yaml(*text, log);
-  PrinterProfile profile;
-  if (root && !is_other_kind(*root, "printer", log)) profile = read_profile(*root, log);
-  if (log.has_errors()) return fail(to_string(log.sorted(), true));
-  return profile;
+  return value_without_errors(read_yaml_file<PrinterProfile>(path, "printer", read_profile));
 }
 
 std::string printer_profile_text(const PrinterProfile& profile) {

@@ -35,8 +35,7 @@ std::optional<Side> read_side(const MapReader& map, std::string_view key,
 // Mounting by alpha and side (Xu et al. 2017, Fig 11), or by yaw, pitch and roll.
 Pose read_mounting(const MapReader& map, std::optional<Side> side) {
   const Eigen::Vector3d position =
-      read_point(map.find("position"), map.name_of("position"), kLargestVehicle, map.log())
-          .value_or(Eigen::Vector3d(0, 0, 0));
+      read_point(map.at("position"), kLargestVehicle).value_or(Eigen::Vector3d(0, 0, 0));
   for (const char* key : {"yaw", "pitch", "roll"}) map.exclude_each_other({"alpha", key});
   if (map.has("alpha")) {
     const double alpha = map.number_or("alpha", 0, between(-90, 90, "degrees"));
@@ -63,23 +62,20 @@ const char* source_text(IntrinsicsSource source) {
 }
 
 // `sigma: 0` of a camera makes all its parts exact; no other number may replace all of them.
-void check_exact(const YamlNode& node, const std::string& name, FindingLog& log) {
-  if (!node.quoted && parse_number(node.text) == 0) return;
-  log.error(node.place, "wrong-type",
-            name + " is `" + node.text.substr(0, 60) +
-                "`, expected 0 (all exact), or a map with position, angle, focal, center, edge");
+void check_exact(const YamlValue& value) {
+  if (!value.node->quoted && parse_number(value.node->text) == 0) return;
+  value.error("wrong-type",
+              value.name + " is `" + value.node->text.substr(0, 60) +
+                  "`, expected 0 (all exact), or a map with position, angle, focal, center, edge");
 }
 
 // The camera's `sigma`; for parts that are left out the usual values are assumed.
 void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
-  const YamlNode* node = keys.find("sigma");
-  if (node != nullptr && node->kind == YamlNode::Kind::scalar) {
-    return check_exact(*node, keys.name_of("sigma"), keys.log());
-  }
+  const YamlValue sigma = keys.at("sigma");
+  if (sigma.is(YamlNode::Kind::scalar)) return check_exact(sigma);
   const IntrinsicsSource source = intrinsics_source(keys);
   const CalibrationSigma usual = usual_calibration(source, camera.camera.width);
-  const MapReader map(node, keys.name_of("sigma"), {"position", "angle", "focal", "center", "edge"},
-                      keys.log());
+  const MapReader map(sigma, {"position", "angle", "focal", "center", "edge"});
   std::vector<std::string> unsaid;
   const auto part = [&](const char* key, double value, double most, const char* unit,
                         const std::string& words) {
@@ -116,8 +112,8 @@ void lint_side(const MapReader& map, const RigCamera& camera) {
   const Side other = *camera.side == Side::left ? Side::right : Side::left;
   const double leftwards = camera.vehicle_from_camera.rotation(1, 2);  // of its axis
   const auto warn = [&](const std::string& what, const char* hint) {
-    map.log().warning(
-        map.find("side")->place, "camera-side",
+    map.at("side").warning(
+        "camera-side",
         fmt::format("camera {} {}, its side is {}", camera.name, what, to_string(*camera.side)),
         hint);
   };
@@ -138,11 +134,12 @@ void lint_position(const MapReader& map, const RigCamera& camera) {
       std::abs(look.x() * aside) >= kAlong * std::abs(look.y())) {
     return;
   }
-  map.log().warning(map.find("position")->place, "looks-across",
-                    fmt::format("camera {} is {} m {} of the vehicle's middle and looks across it",
-                                camera.name, format_number(std::abs(aside), 3),
-                                to_string(aside > 0 ? Side::left : Side::right)),
-                    "position is [forward, left, up], yaw is positive to the left");
+  map.at("position")
+      .warning("looks-across",
+               fmt::format("camera {} is {} m {} of the vehicle's middle and looks across it",
+                           camera.name, format_number(std::abs(aside), 3),
+                           to_string(aside > 0 ? Side::left : Side::right)),
+               "position is [forward, left, up], yaw is positive to the left");
 }
 
 void lint_units(const MapReader& map, const RigCamera& camera) {
@@ -150,30 +147,28 @@ void lint_units(const MapReader& map, const RigCamera& camera) {
   // second, slower than a walk.
   constexpr double kLongExposure = 0.1;  // seconds
   if (camera.exposure && *camera.exposure > kLongExposure) {
-    map.log().warning(map.find("exposure")->place, "long-exposure",
-                      fmt::format("camera {} exposes for {} s, expected at most {}", camera.name,
-                                  format_number(*camera.exposure), kLongExposure),
-                      "exposure is in seconds: 2 ms are 0.002");
+    map.at("exposure")
+        .warning("long-exposure",
+                 fmt::format("camera {} exposes for {} s, expected at most {}", camera.name,
+                             format_number(*camera.exposure), kLongExposure),
+                 "exposure is in seconds: 2 ms are 0.002");
   }
   // A camera that looks straight sideways has 0, one that looks ahead tens of degrees.
-  const YamlNode* alpha = map.find("alpha");
-  if (alpha == nullptr) return;
-  const double angle = parse_number(alpha->text).value_or(0);
+  const YamlValue alpha = map.at("alpha");
+  const double angle = alpha ? parse_number(alpha.node->text).value_or(0) : 0;
   if (angle != 0 && std::abs(angle) < std::numbers::pi / 2) {
-    map.log().warning(
-        alpha->place, "angle-unit",
-        fmt::format("alpha of camera {} is {} degrees; as radians it would be {}", camera.name,
-                    format_number(angle), format_number(degrees(angle), 1)),
-        "alpha is in degrees");
+    alpha.warning("angle-unit",
+                  fmt::format("alpha of camera {} is {} degrees; as radians it would be {}",
+                              camera.name, format_number(angle), format_number(degrees(angle), 1)),
+                  "alpha is in degrees");
   }
 }
 
-RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::path& folder,
-                      FindingLog& log) {
+RigCamera read_camera(const YamlValue& value, const std::string& name, const fs::path& folder) {
   std::vector<std::string> keys = intrinsics_keys();
   keys.insert(keys.end(), {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure",
                            "blur_px", "readout", "focus", "aperture_mm", "sigma"});
-  const MapReader map(&node, "cameras." + name, keys, log);
+  const MapReader map(value, keys);
   RigCamera camera;
   camera.name = name;
   const Intrinsics intrinsics = read_intrinsics(map, folder).value_or(Intrinsics{});
@@ -192,17 +187,17 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   return camera;
 }
 
-std::optional<RigRange> read_range(const YamlNode& node, const std::string& name, FindingLog& log) {
-  const MapReader map(&node, "ranges." + name, {"wall", "min", "max", "sigma"}, log);
+std::optional<RigRange> read_range(const YamlValue& value, const std::string& name) {
+  const MapReader map(value, {"wall", "min", "max", "sigma"});
   const auto wall = read_side(map, "wall", "wall: left or wall: right");
   const auto min = map.number("min", between(0, 1000, "m"));
   const auto max = map.number("max", above_zero(1000, "m"));
   const auto sigma = map.number("sigma", above_zero(1, "m"));
   if (!wall || !min || !max || !sigma) return std::nullopt;
   if (*min >= *max) {
-    log.error(map.find("max")->place, "out-of-range",
-              map.name_of("max") + " is " + format_number(*max) + ", expected more than min, " +
-                  format_number(*min) + " m");
+    map.at("max").error("out-of-range", map.at("max").name + " is " + format_number(*max) +
+                                            ", expected more than min, " + format_number(*min) +
+                                            " m");
   }
   return RigRange{name, *wall, *min, *max, *sigma};
 }
@@ -217,35 +212,32 @@ bool is_column_name(const YamlKey& key, const std::string& kind, FindingLog& log
                            std::ranges::all_of(name, [&](char c) {
                              return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
                            });
-  if (!well_formed || kTaken.contains(name)) {
-    log.error(
-        key.place, "bad-name",
-        "a " + kind + " named `" + name.substr(0, 60) +
-            "`, expected a letter and then letters, digits, - or _, and no column of a run file");
-    return false;
-  }
-  return true;
+  if (well_formed && !kTaken.contains(name)) return true;
+  log.error(
+      key.place, "bad-name",
+      "a " + kind + " named `" + name.substr(0, 60) +
+          "`, expected a letter and then letters, digits, - or _, and no column of a run file");
+  return false;
 }
 
-// Calls `read(node, name)` for each well-named entry of a map whose keys are names.
+// Calls `read(value, name)` for each well-named entry of a map whose keys are names.
 template <class Read>
-void read_named(const YamlNode* node, const std::string& kind, const Read& read, FindingLog& log) {
-  if (node == nullptr || node->kind == YamlNode::Kind::broken) return;
-  if (node->kind != YamlNode::Kind::map) {
-    log.error(node->place, "wrong-type",
-              kind + "s is no map, expected a map from names to " + kind + "s");
+void read_named(const YamlValue& map, const std::string& kind, const Read& read) {
+  if (!map || map.is(YamlNode::Kind::broken)) return;
+  if (!map.is(YamlNode::Kind::map)) {
+    map.error("wrong-type", kind + "s is no map, expected a map from names to " + kind + "s");
     return;
   }
   std::set<std::string> seen;
-  for (std::size_t i = 0; i < node->keys.size(); ++i) {
-    const YamlKey& key = node->keys[i];
-    if (!is_column_name(key, kind, log)) continue;
-    if (!seen.insert(key.text).second) {
-      log.error(key.place, "duplicate-key", "the " + kind + " `" + key.text + "` a second time",
-                "remove one of the two");
-      continue;
+  for (std::size_t i = 0; i < map.node->keys.size(); ++i) {
+    const YamlKey& key = map.node->keys[i];
+    if (!is_column_name(key, kind, *map.log)) continue;
+    if (seen.insert(key.text).second) {
+      read(YamlValue{&map.node->items[i], map.name + "." + key.text, map.log}, key.text);
+    } else {
+      map.log->error(key.place, "duplicate-key",
+                     "the " + kind + " `" + key.text + "` a second time", "remove one of the two");
     }
-    read(node->items[i], key.text);
   }
 }
 
@@ -257,19 +249,19 @@ void check_columns(const Rig& rig, const MapReader& file) {
   }
   for (const RigRange& range : rig.ranges) {
     if (columns.insert(range.name).second) continue;
-    file.log().error(file.find("ranges")->place, "duplicate-key",
-                     "the range `" + range.name + "` has the name of a camera's column",
-                     "rename the range");
+    file.at("ranges").error("duplicate-key",
+                            "the range `" + range.name + "` has the name of a camera's column",
+                            "rename the range");
   }
   if (columns.size() != 3 * rig.cameras.size() + rig.ranges.size()) {
-    file.log().error(file.find("cameras")->place, "duplicate-key",
-                     "two cameras share a column of the run file, as NAME_tag does with NAME",
-                     "rename one of them");
+    file.at("cameras").error(
+        "duplicate-key", "two cameras share a column of the run file, as NAME_tag does with NAME",
+        "rename one of them");
   }
 }
 
-VehicleEnvelope read_envelope(const YamlNode* node, FindingLog& log) {
-  const MapReader map(node, "vehicle.envelope", {"lateral", "yaw", "speed", "roll", "pitch"}, log);
+VehicleEnvelope read_envelope(const YamlValue& value) {
+  const MapReader map(value, {"lateral", "yaw", "speed", "roll", "pitch"});
   VehicleEnvelope envelope;
   envelope.lateral = map.number("lateral", between(0, kLargestVehicle, "m")).value_or(0);
   envelope.yaw = radians(map.number("yaw", between(0, 90, "degrees")).value_or(0));
@@ -279,9 +271,8 @@ VehicleEnvelope read_envelope(const YamlNode* node, FindingLog& log) {
   return envelope;
 }
 
-void read_vehicle(const YamlNode* node, Rig& rig, FindingLog& log) {
-  const MapReader map(node, "vehicle",
-                      {"height", "roll_sigma", "pitch_sigma", "height_sigma", "envelope"}, log);
+void read_vehicle(const YamlValue& value, Rig& rig) {
+  const MapReader map(value, {"height", "roll_sigma", "pitch_sigma", "height_sigma", "envelope"});
   const NumberRange sigma = above_zero(45, "degrees");
   rig.vehicle_height = map.number("height", between(-kLargestVehicle, kLargestVehicle, "m"),
                                   "height: of the vehicle's centre O above the floor")
@@ -289,42 +280,35 @@ void read_vehicle(const YamlNode* node, Rig& rig, FindingLog& log) {
   rig.roll_sigma = radians(map.number_or("roll_sigma", kDefaultAttitude, sigma));
   rig.pitch_sigma = radians(map.number_or("pitch_sigma", kDefaultAttitude, sigma));
   rig.height_sigma = map.number_or("height_sigma", kDefaultHeightSigma, above_zero(10, "m"));
-  if (map.has("envelope")) rig.envelope = read_envelope(map.find("envelope"), map.log());
+  if (map.has("envelope")) rig.envelope = read_envelope(map.at("envelope"));
 }
 
-Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
-  const MapReader file(&root, "", {"rig", "cameras", "ranges", "vehicle"}, log);
+Rig read_rig_tree(const YamlValue& root, const fs::path& path) {
+  const MapReader file(root, {"rig", "cameras", "ranges", "vehicle"});
   Rig rig;
   rig.file = path;
-  rig.name = read_name(file.need("rig", "rig: NAME"), "rig", log).value_or("");
-  const YamlNode* cameras = file.need("cameras", "cameras: { left: ..., right: ... }");
-  read_named(
-      cameras, "camera",
-      [&](const YamlNode& node, const std::string& name) {
-        rig.cameras.push_back(read_camera(node, name, path.parent_path(), log));
-      },
-      log);
-  if (cameras != nullptr && cameras->kind == YamlNode::Kind::map && cameras->keys.empty()) {
-    log.error(cameras->place, "wrong-length", "cameras is empty, expected at least one camera");
+  rig.name = read_name(file.need("rig", "rig: NAME")).value_or("");
+  const YamlValue cameras = file.need("cameras", "cameras: { left: ..., right: ... }");
+  read_named(cameras, "camera", [&](const YamlValue& value, const std::string& name) {
+    rig.cameras.push_back(read_camera(value, name, path.parent_path()));
+  });
+  if (cameras.is(YamlNode::Kind::map) && cameras.node->keys.empty()) {
+    cameras.error("wrong-length", "cameras is empty, expected at least one camera");
   }
-  read_named(
-      file.find("ranges"), "range",
-      [&](const YamlNode& node, const std::string& name) {
-        if (auto range = read_range(node, name, log)) rig.ranges.push_back(*range);
-      },
-      log);
-  read_vehicle(file.need("vehicle", "vehicle: { height: 0.24 }"), rig, log);
+  read_named(file.at("ranges"), "range", [&](const YamlValue& value, const std::string& name) {
+    if (auto range = read_range(value, name)) rig.ranges.push_back(*range);
+  });
+  read_vehicle(file.need("vehicle", "vehicle: { height: 0.24 }"), rig);
   set_shutter_sigmas(rig);
-  if (!log.has_errors()) check_columns(rig, file);
+  if (!root.log->has_errors()) check_columns(rig, file);
   return rig;
 }
 
 }  // namespace
 
 Diagnosed<Rig> read_rig_text(const fs::path& path, std::string_view text) {
-  return read_yaml_file<Rig>(path, text, "rig", [&](const YamlNode& root, FindingLog& log) {
-    return read_rig_tree(root, path, log);
-  });
+  return read_yaml_text<Rig>(path, text, "rig",
+                             [&](const YamlValue& root) { return read_rig_tree(root, path); });
 }
 
 Result<Diagnosed<Rig>> read_rig(const fs::path& path) {

@@ -50,64 +50,57 @@ struct PlacedEntry {
 using TagKey = std::pair<int, Side>;
 
 // Eleven digits (the check digit is added) or twelve (it must be right, where its scheme is known).
-std::optional<Digits> read_digits(const YamlNode* node, const std::string& name,
-                                  const std::optional<CheckDigit>& check, FindingLog& log) {
-  if (node == nullptr || node->kind == YamlNode::Kind::broken) return std::nullopt;
-  const bool scalar = node->kind == YamlNode::Kind::scalar;
-  const std::string text = scalar ? node->text : "";
+std::optional<Digits> read_digits(const YamlValue& value, const std::optional<CheckDigit>& check) {
+  if (!value || value.is(YamlNode::Kind::broken)) return std::nullopt;
+  const bool scalar = value.is(YamlNode::Kind::scalar);
+  const std::string text = scalar ? value.node->text : "";
   std::optional<Digits> digits = parse_digits(text.size() == kPayloadDigits ? text + "0" : text);
   if (!digits) {
-    log.error(node->place, "bad-digits",
-              name + " is " + (scalar ? "`" + text.substr(0, 60) + "`" : "no text") +
-                  ", expected 11 digits, or 12 with the check digit, in quotes");
-    return std::nullopt;
+    return value.error("bad-digits",
+                       value.name + " is " + (scalar ? "`" + text.substr(0, 60) + "`" : "no text") +
+                           ", expected 11 digits, or 12 with the check digit, in quotes");
   }
-  if (!node->quoted) {
-    log.error(node->place, "bad-digits", name + " is the number `" + text + "`, expected text",
-              "put it in quotes: \"" + text + "\"; as a number it loses its leading zeros",
-              TextEdit{text, "\"" + text + "\""});
-    return std::nullopt;
+  if (!value.node->quoted) {
+    return value.error("bad-digits", value.name + " is the number `" + text + "`, expected text",
+                       "put it in quotes: \"" + text + "\"; as a number it loses its leading zeros",
+                       TextEdit{text, "\"" + text + "\""});
   }
   if (!check) return digits;
   const std::uint8_t right = check_digit(*check, std::span(*digits).first<11>());
   if (text.size() == kPayloadDigits) digits->back() = right;
   if (digits->back() == right) return digits;
-  log.error(node->place, "wrong-check-digit",
-            name + " ends in " + std::to_string(digits->back()) + ", the check digit (" +
-                to_string(*check) + ") of the other eleven is " + std::to_string(right),
-            "check the digits against the plate, and code.check_digit");
-  return std::nullopt;
+  return value.error("wrong-check-digit",
+                     value.name + " ends in " + std::to_string(digits->back()) +
+                         ", the check digit (" + to_string(*check) + ") of the other eleven is " +
+                         std::to_string(right),
+                     "check the digits against the plate, and code.check_digit");
 }
 
 std::optional<TagName> read_tag_name(const MapReader& map) {
-  FindingLog& log = map.log();
-  const YamlNode* node = map.need("tag", "tag: 000L");
+  const YamlValue tag = map.need("tag", "tag: 000L");
   const auto side = map.choice("side", {"left", "right"}, "side: left or side: right");
-  if (node == nullptr || node->kind == YamlNode::Kind::broken) return std::nullopt;
-  const auto name =
-      node->kind == YamlNode::Kind::scalar ? parse_tag_name(node->text) : std::nullopt;
+  if (!tag || tag.is(YamlNode::Kind::broken)) return std::nullopt;
+  const std::string& text = tag.node->text;
+  const auto name = tag.is(YamlNode::Kind::scalar) ? parse_tag_name(text) : std::nullopt;
   if (!name) {
-    log.error(node->place, "bad-tag-name",
-              map.name_of("tag") + " is `" + node->text.substr(0, 60) +
-                  "`, expected the pair in at least three digits and L or R, as 000L");
-    return std::nullopt;
+    return tag.error("bad-tag-name",
+                     tag.name + " is `" + text.substr(0, 60) +
+                         "`, expected the pair in at least three digits and L or R, as 000L");
   }
   if (!side) return std::nullopt;
-  if (*side != to_string(name->side)) {
-    log.error(map.find("side")->place, "side-mismatch",
-              "tag " + node->text + " with side " + *side + ", expected " + to_string(name->side),
-              "names end in L on the left wall of the drive and in R on the right one");
-    return std::nullopt;
-  }
-  return name;
+  if (*side == to_string(name->side)) return name;
+  return map.at("side").error(
+      "side-mismatch",
+      "tag " + text + " with side " + *side + ", expected " + to_string(name->side),
+      "names end in L on the left wall of the drive and in R on the right one");
 }
 
 // A day as ISO 8601 writes it, 2026-03-31; empty when absent or faulty.
-std::string read_date(const YamlNode* node, const std::string& name, FindingLog& log) {
-  const std::optional<std::string> text = read_text(node, name, log);
+std::string read_date(const YamlValue& value) {
+  const std::optional<std::string> text = read_text(value);
   if (!text || parse_day(*text)) return text.value_or("");
-  log.error(node->place, "bad-date",
-            name + " is `" + text->substr(0, 60) + "`, expected a day as 2026-03-31");
+  value.error("bad-date",
+              value.name + " is `" + text->substr(0, 60) + "`, expected a day as 2026-03-31");
   return {};
 }
 
@@ -126,59 +119,54 @@ std::optional<PlateAttitude> read_attitude(const MapReader& map) {
 std::optional<double> read_sigma(const MapReader& map) {
   const std::optional<double> sigma = map.number_if_there("sigma", between(0, kWorstSigma, "m"));
   if (sigma && *sigma > kOffWall) {
-    map.log().warning(map.find("sigma")->place, "large-sigma",
-                      fmt::format("{} is {} m: no position will be better, and a plate is told to "
-                                  "be off its wall from {} m on",
-                                  map.name_of("sigma"), format_number(*sigma), kOffWall),
-                      "a standard deviation in metres: a tape has 0.005, a total station 0.002");
+    map.at("sigma").warning(
+        "large-sigma",
+        fmt::format("{} is {} m: no position will be better, and a plate is told to be off its "
+                    "wall from {} m on",
+                    map.at("sigma").name, format_number(*sigma), kOffWall),
+        "a standard deviation in metres: a tape has 0.005, a total station 0.002");
   }
   return sigma;
 }
 
-std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::string& label,
-                                             const std::optional<CheckDigit>& check,
-                                             FindingLog& log) {
-  const MapReader map(&node, label,
-                      {"tag", "side", "p", "digits", "sigma", "date", "design", "control", "facing",
-                       "tilt", "roll"},
-                      log);
+std::optional<PlacedEntry> read_placed_entry(const YamlValue& value,
+                                             const std::optional<CheckDigit>& check) {
+  const MapReader map(value, {"tag", "side", "p", "digits", "sigma", "date", "design", "control",
+                              "facing", "tilt", "roll"});
   if (!map.is_map()) return std::nullopt;
   const auto name = read_tag_name(map);
-  const auto p =
-      read_point(map.need("p", "p: [x, y, z] of corner P"), map.name_of("p"), kFarthest, log);
+  const auto p = read_point(map.need("p", "p: [x, y, z] of corner P"), kFarthest);
   PlacedEntry entry;
-  entry.digits = read_digits(map.find("digits"), map.name_of("digits"), check, log);
+  entry.digits = read_digits(map.at("digits"), check);
   entry.sigma = read_sigma(map);
-  entry.date = read_date(map.find("date"), map.name_of("date"), log);
-  entry.design_in_grid = read_point(map.find("design"), map.name_of("design"), kFarthest, log);
-  entry.control = read_bool(map.find("control"), map.name_of("control"), log).value_or(false);
+  entry.date = read_date(map.at("date"));
+  entry.design_in_grid = read_point(map.at("design"), kFarthest);
+  entry.control = read_bool(map.at("control")).value_or(false);
   entry.attitude = read_attitude(map);
   const bool digits_fit = !map.has("digits") || entry.digits.has_value();
   if (!name || !p || !digits_fit) return std::nullopt;
   entry.name = *name;
   entry.p_in_grid = *p;
-  entry.place = node.place;
+  entry.place = value.place();
   return entry;
 }
 
 // The entries without a fault; faults are logged. `check` is the scheme of printed digits, nothing
 // when it is not known.
-std::map<TagKey, PlacedEntry> read_placed(const YamlNode* node,
-                                          const std::optional<CheckDigit>& check, FindingLog& log) {
+std::map<TagKey, PlacedEntry> read_placed(const YamlValue& value,
+                                          const std::optional<CheckDigit>& check) {
   std::map<TagKey, PlacedEntry> placed;
-  const std::vector<YamlNode>* list = read_list(node, "placed", log);
-  if (list == nullptr) return placed;
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const auto entry =
-        read_placed_entry((*list)[i], "placed[" + std::to_string(i) + "]", check, log);
+  for (const YamlValue& item : read_list(value).value_or(std::vector<YamlValue>{})) {
+    const auto entry = read_placed_entry(item, check);
     if (!entry) continue;
     const TagKey key{entry->name.pair, entry->name.side};
     const auto [first, is_new] = placed.emplace(key, *entry);
     if (is_new) continue;
-    log.error(entry->place, "duplicate-tag",
-              "tag " + tag_name(key.first, key.second) + " a second time in placed, the first is " +
-                  "on line " + std::to_string(first->second.place.line),
-              "remove one of the two");
+    item.error("duplicate-tag",
+               "tag " + tag_name(key.first, key.second) +
+                   " a second time in placed, the first is " + "on line " +
+                   std::to_string(first->second.place.line),
+               "remove one of the two");
   }
   return placed;
 }
@@ -189,24 +177,19 @@ namespace fs = std::filesystem;
 
 std::optional<TagTemplate> read_named_template(const MapReader& tags,
                                                const fs::path& survey_folder) {
-  FindingLog& log = tags.log();
-  const YamlNode* node = tags.need("template", "template: tag-400x300");
-  const auto name = read_text(node, tags.name_of("template"), log);
+  const YamlValue value = tags.need("template", "template: tag-400x300");
+  const auto name = read_text(value);
   if (!name) return std::nullopt;
   const auto path = find_template(*name, survey_folder);
   if (!path) {
-    log.error(node->place, "no-template",
-              "no template `" + *name + "`, expected a path, or a file " + *name +
-                  ".yaml beside the survey or among the tool's own templates",
-              "own templates: " + own_templates());
-    return std::nullopt;
+    return value.error("no-template",
+                       "no template `" + *name + "`, expected a path, or a file " + *name +
+                           ".yaml beside the survey or among the tool's own templates",
+                       "own templates: " + own_templates());
   }
   const Result<Diagnosed<TagTemplate>> reading = read_template(*path);
-  if (!reading) {
-    log.error(node->place, "no-template", reading.error().message);
-    return std::nullopt;
-  }
-  log.append(reading->diagnostics);
+  if (!reading) return value.error("no-template", reading.error().message);
+  value.log->append(reading->diagnostics);
   return reading->value;
 }
 
@@ -214,21 +197,16 @@ std::optional<TagTemplate> read_named_template(const MapReader& tags,
 std::optional<int> read_pair_count(const MapReader& tags, double first, double pitch) {
   constexpr int kMostPairs = kMostTags / 2;
   tags.exclude_each_other({"pairs", "to"});
-  if (tags.has("pairs")) {
-    return read_integer(tags.find("pairs"), tags.name_of("pairs"), 1, kMostPairs, tags.log());
-  }
+  if (tags.has("pairs")) return read_integer(tags.at("pairs"), 1, kMostPairs);
   const auto to = tags.number_if_there("to", between(first, kLongest * kMostElements, "m"));
   if (!to || pitch <= 0) return std::nullopt;
   constexpr double kNudge = 1e-9;  // so that 5.6 = 7 * 0.8 includes the eighth pair
   const double count = std::floor((*to - first) / pitch + kNudge) + 1;
-  if (count > kMostPairs) {
-    tags.log().error(tags.find("to")->place, "too-many-tags",
-                     tags.name_of("to") + " asks for " + format_number(count, 0) +
-                         " pairs, expected at most " + std::to_string(kMostPairs),
-                     "split the survey into several files");
-    return std::nullopt;
-  }
-  return static_cast<int>(count);
+  if (count <= kMostPairs) return static_cast<int>(count);
+  return tags.at("to").error("too-many-tags",
+                             tags.at("to").name + " asks for " + format_number(count, 0) +
+                                 " pairs, expected at most " + std::to_string(kMostPairs),
+                             "split the survey into several files");
 }
 
 // The regular pairs. Without `pairs` and `to` there are none, and only values that apply to
@@ -265,48 +243,42 @@ std::optional<TagSeries> read_series(const MapReader& tags, bool has_placed,
   return series;
 }
 
-std::optional<GridPoint> read_resolution(const MapReader& map, const GridPoint& fallback) {
+GridPoint as_grid_point(const auto& values) { return {values[0], values[1], values[2]}; }
+
+std::optional<GridPoint> read_resolution(const YamlValue& value, const GridPoint& fallback) {
   constexpr double kCoarsest = 1000;
-  const YamlNode* node = map.find("resolution");
-  if (node == nullptr) return fallback;
-  const std::string name = map.name_of("resolution");
+  if (!value) return fallback;
   const NumberRange range = above_zero(kCoarsest, "m");
-  if (node->kind == YamlNode::Kind::sequence) {
-    const auto values = read_numbers(node, name, 3, range, map.log());
-    if (!values) return std::nullopt;
-    return GridPoint{(*values)[0], (*values)[1], (*values)[2]};
+  if (value.is(YamlNode::Kind::sequence)) {
+    const auto values = read_numbers(value, 3, range);
+    return values ? std::optional(as_grid_point(*values)) : std::nullopt;
   }
-  const auto one = read_number(node, name, range, map.log());
-  if (!one) return std::nullopt;
-  return GridPoint{*one, *one, *one};
+  const auto one = read_number(value, range);
+  return one ? std::optional(GridPoint{*one, *one, *one}) : std::nullopt;
 }
 
-std::optional<std::array<int, 3>> read_digit_counts(const MapReader& map,
+std::optional<std::array<int, 3>> read_digit_counts(const YamlValue& value,
                                                     const std::array<int, 3>& fallback) {
-  const YamlNode* node = map.find("digits");
-  if (node == nullptr) return fallback;
-  const std::string name = map.name_of("digits");
-  const auto values = read_numbers(node, name, 3, between(1, 9, ""), map.log());
+  if (!value) return fallback;
+  const auto values = read_numbers(value, 3, between(1, 9, ""));
   if (!values) return std::nullopt;
   const double sum = std::accumulate(values->begin(), values->end(), 0.0);
   const bool whole = std::ranges::all_of(*values, [](double v) { return v == std::floor(v); });
   if (!whole || sum != static_cast<double>(kPayloadDigits)) {
-    map.log().error(node->place, "bad-digit-counts",
-                    name + (whole ? " sum to " + format_number(sum) : " are no whole numbers") +
-                        ", expected three whole numbers that sum to 11",
-                    "for example [4, 4, 3]");
-    return std::nullopt;
+    return value.error("bad-digit-counts",
+                       value.name +
+                           (whole ? " sum to " + format_number(sum) : " are no whole numbers") +
+                           ", expected three whole numbers that sum to 11",
+                       "for example [4, 4, 3]");
   }
   return std::array{static_cast<int>((*values)[0]), static_cast<int>((*values)[1]),
                     static_cast<int>((*values)[2])};
 }
 
-std::optional<GridPoint> read_origin(const MapReader& map, const GridPoint& fallback) {
-  const YamlNode* node = map.find("origin");
-  if (node == nullptr) return fallback;
-  const auto origin = read_point(node, map.name_of("origin"), kFarthest, map.log());
-  if (!origin) return std::nullopt;
-  return GridPoint{origin->x(), origin->y(), origin->z()};
+std::optional<GridPoint> read_origin(const YamlValue& value, const GridPoint& fallback) {
+  if (!value) return fallback;
+  const auto origin = read_point(value, kFarthest);
+  return origin ? std::optional(as_grid_point(*origin)) : std::nullopt;
 }
 
 std::optional<CheckDigit> read_check_digit(const MapReader& map) {
@@ -318,9 +290,9 @@ std::optional<CheckDigit> read_check_digit(const MapReader& map) {
 std::optional<PositionCode> read_code(const MapReader& map,
                                       const std::optional<CheckDigit>& check) {
   const PositionCode fallback;
-  const auto resolution = read_resolution(map, fallback.resolution);
-  const auto digit_counts = read_digit_counts(map, fallback.digit_counts);
-  const auto origin = read_origin(map, fallback.origin);
+  const auto resolution = read_resolution(map.at("resolution"), fallback.resolution);
+  const auto digit_counts = read_digit_counts(map.at("digits"), fallback.digit_counts);
+  const auto origin = read_origin(map.at("origin"), fallback.origin);
   if (!check || !resolution || !digit_counts || !origin) return std::nullopt;
   return PositionCode{*check, *digit_counts, *resolution, *origin};
 }
@@ -381,15 +353,15 @@ std::vector<SourcedTag> place_tags(const Survey& survey,
 
 SeriesPlaces series_places(const MapReader& tags) {
   const auto place_of = [&](const char* key) {
-    return tags.has(key) ? tags.find(key)->place : Place{};
+    return (tags.has(key) ? tags.at(key) : tags.value()).place();
   };
   return {place_of("height"), place_of("spacing"), place_of("first"),
           place_of(tags.has("pairs") ? "pairs" : "to")};
 }
 
 // A theta that cannot be meant (in radians, a typing error), and one that moves the right plates.
-void check_pair_angle(const Survey& survey, Place place, FindingLog& log) {
-  if (!survey.series || !survey.series->pair_angle) return;
+void check_pair_angle(const Survey& survey, const YamlValue& theta) {
+  if (!theta || !survey.series || !survey.series->pair_angle) return;
   constexpr double kNoticeable = 0.005;  // metres
   const double first = left_middle(survey, 0);
   const double shift = right_plate_shift(survey, first);
@@ -400,34 +372,31 @@ void check_pair_angle(const Survey& survey, Place place, FindingLog& log) {
       " degrees, plates that face each other have atan(L_CI / W_T) = " + facing;
   const std::string hint = "leave theta out for plates that face each other";
   if (std::abs(shift) > asked) {
-    log.error(place, "theta",
-              subject + ": it puts the two P " + format_number(asked, 3) +
-                  " m apart along the drive, facing plates " + format_number(asked - shift, 3) +
-                  " m",
-              hint + "; theta is in degrees");
+    theta.error("theta",
+                subject + ": it puts the two P " + format_number(asked, 3) +
+                    " m apart along the drive, facing plates " + format_number(asked - shift, 3) +
+                    " m",
+                hint + "; theta is in degrees");
   } else if (std::abs(shift) > kNoticeable) {
-    log.warning(place, "theta",
-                subject + ": it moves the right plates by " + format_number(shift, 3) +
-                    " m along the drive",
-                hint);
+    theta.warning("theta",
+                  subject + ": it moves the right plates by " + format_number(shift, 3) +
+                      " m along the drive",
+                  hint);
   }
 }
 
-std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& path,
-                                       FindingLog& log) {
-  const MapReader file(&root, "", {"survey", "grid", "tunnel", "tags", "code", "placed"}, log);
+std::optional<Survey> read_survey_tree(const YamlValue& root, const fs::path& path) {
+  FindingLog& log = *root.log;
+  const MapReader file(root, {"survey", "grid", "tunnel", "tags", "code", "placed"});
   Survey survey;
   survey.file = path;
-  survey.name = read_name(file.need("survey", "survey: NAME"), "survey", log).value_or("");
-  survey.grid = read_grid(file.find("grid"), log);
-  const auto tunnel =
-      read_tunnel(file.need("tunnel", "tunnel: { width: 1.9, height: 3.0, centerline: ... }"),
-                  survey.grid, log);
-
+  survey.name = read_name(file.need("survey", "survey: NAME")).value_or("");
+  survey.grid = read_grid(file.at("grid"));
+  const auto tunnel = read_tunnel(
+      file.need("tunnel", "tunnel: { width: 1.9, height: 3.0, centerline: ... }"), survey.grid);
   const MapReader tags(
-      file.need("tags", "tags: { template: tag-400x300, ... }"), "tags",
-      {"template", "height", "spacing", "first", "pairs", "to", "theta", "sigma", "angle_sigma"},
-      log);
+      file.need("tags", "tags: { template: tag-400x300, ... }"),
+      {"template", "height", "spacing", "first", "pairs", "to", "theta", "sigma", "angle_sigma"});
   const auto tag_template = read_named_template(tags, path.parent_path());
   survey.series = read_series(tags, file.has("placed"), tag_template);
   survey.states_sigma = tags.has("sigma");
@@ -438,33 +407,34 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
   survey.states_angle_sigma = is_exact || tags.has("angle_sigma");
   survey.angle_sigma = radians(tags.number_or("angle_sigma", 0, between(0, 45, "degrees")));
 
-  const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"), "code",
-                       {"check_digit", "resolution", "digits", "origin"}, log);
+  const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"),
+                       {"check_digit", "resolution", "digits", "origin"});
   const auto check = read_check_digit(code);
   const auto position_code = read_code(code, check);
   survey.code = position_code.value_or(PositionCode{});
-  const auto placed = read_placed(file.find("placed"), check, log);
+  const auto placed = read_placed(file.at("placed"), check);
   if (!tunnel || !tag_template) return std::nullopt;
   survey.tunnel = *tunnel;
   survey.tag_template = *tag_template;
 
-  if (tags.has("theta")) check_pair_angle(survey, tags.find("theta")->place, log);
-  const std::vector<SourcedTag> placed_tags = place_tags(survey, placed, tags.place());
-  const Place placed_place = file.has("placed") ? file.find("placed")->place : Place{};
-  if (!check_grid(survey, placed_tags, placed_place, log)) {
+  check_pair_angle(survey, tags.at("theta"));
+  const Place tags_place = tags.value().place();
+  const Place code_place = code.value().place();
+  const std::vector<SourcedTag> placed_tags = place_tags(survey, placed, tags_place);
+  if (!check_grid(survey, placed_tags, file.at("placed").place(), log)) {
     if (position_code) {
-      check_code_range(survey, placed_tags, code.place(), log);
-      check_codes(survey, placed_tags, code.place(), log);
-      lint_codes(survey, placed_tags, code.place(), log);
+      check_code_range(survey, placed_tags, code_place, log);
+      check_codes(survey, placed_tags, code_place, log);
+      lint_codes(survey, placed_tags, code_place, log);
     }
     check_walls(survey, placed_tags, series_places(tags), log);
     lint_places(survey, placed_tags, log);
   }
-  lint_series(survey, tags.place(), log);
+  lint_series(survey, tags_place, log);
   survey.tags.reserve(placed_tags.size());
   for (const SourcedTag& entry : placed_tags) survey.tags.push_back(entry.tag);
   if (!survey.states_angle_sigma) survey.angle_sigma = usual_angle_sigma(survey);
-  lint_walls(survey, tags.place(), log);
+  lint_walls(survey, tags_place, log);
   if (!log.has_errors()) lint_exchanged_codes(survey, {&survey, 1}, log);
   return survey;
 }
@@ -472,9 +442,8 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
 }  // namespace
 
 Diagnosed<Survey> read_survey_text(const fs::path& path, std::string_view text) {
-  return read_yaml_file<Survey>(path, text, "survey", [&](const YamlNode& root, FindingLog& log) {
-    return read_survey_tree(root, path, log);
-  });
+  return read_yaml_text<Survey>(
+      path, text, "survey", [&](const YamlValue& root) { return read_survey_tree(root, path); });
 }
 
 Result<Diagnosed<Survey>> read_survey(const fs::path& path) {

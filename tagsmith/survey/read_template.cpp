@@ -26,6 +26,7 @@ namespace tagsmith::detail {
 
 namespace {
 
+constexpr double kLargestPlate = 10.0;  // metres
 constexpr double kMostModules = 1000.0;
 // Modules: with less space between bars and frame tags are not read as plans say, and bars lower
 // than this are not read reliably at any width of the modules (`./dev bench limits symbols`,
@@ -37,23 +38,16 @@ constexpr int kMostDotsPerInch = 10'000;
 
 }  // namespace
 
-std::optional<Size> read_size(const YamlNode* node, const std::string& name, FindingLog& log) {
-  const auto values = read_numbers(node, name, 2, above_zero(kLargestPlate, "m"), log);
-  if (!values) return std::nullopt;
-  return Size{(*values)[0], (*values)[1]};
-}
-
 void read_feature_frame(const MapReader& frame, TagTemplate& tag) {
-  FindingLog& log = frame.log();
-  const auto inner = read_size(frame.need("inner", "inner: [length, height] in metres"),
-                               frame.name_of("inner"), log);
+  const auto inner = read_numbers(frame.need("inner", "inner: [length, height] in metres"), 2,
+                                  above_zero(kLargestPlate, "m"));
   if (inner) {
-    tag.frame_inner_length = inner->width;
-    tag.frame_inner_height = inner->height;
+    tag.frame_inner_length = (*inner)[0];
+    tag.frame_inner_height = (*inner)[1];
   }
   tag.frame_stroke = frame.number("stroke", above_zero(1, "m")).value_or(0);
-  const auto offset = read_numbers(frame.find("offset"), frame.name_of("offset"), 2,
-                                   between(-kLargestPlate, kLargestPlate, "m"), log);
+  const auto offset =
+      read_numbers(frame.at("offset"), 2, between(-kLargestPlate, kLargestPlate, "m"));
   if (offset) {
     tag.frame_offset_right = (*offset)[0];
     tag.frame_offset_up = (*offset)[1];
@@ -67,43 +61,43 @@ void read_symbol(const MapReader& symbol, TagTemplate& tag) {
           .value_or(tag.quiet_zone_modules);
   tag.margin_modules =
       symbol.number("margin", between(0, kMostModules, "modules")).value_or(tag.margin_modules);
-  tag.dots_per_inch = read_integer(symbol.find("dots_per_inch"), symbol.name_of("dots_per_inch"),
-                                   kLeastDotsPerInch, kMostDotsPerInch, symbol.log())
-                          .value_or(0);
+  tag.dots_per_inch =
+      read_integer(symbol.at("dots_per_inch"), kLeastDotsPerInch, kMostDotsPerInch).value_or(0);
 }
 
 void check_symbol(const TagTemplate& tag, const MapReader& file) {
   constexpr double kRounding = 1e-6;  // of lengths written in decimals
+  const YamlValue symbol = file.at("symbol");
   const double least_bars = kLeastBars * module_width(tag);
   if (bar_height(tag) < (1 - kRounding) * least_bars) {
-    file.log().error(
-        file.find("symbol")->place, "no-bars",
-        fmt::format("the bars would be {} mm high, expected at least {} modules, {} mm",
-                    format_number(bar_height(tag) * 1e3, 1), kLeastBars,
-                    format_number(least_bars * 1e3, 1)),
-        "a smaller margin or a higher inner frame");
+    symbol.error("no-bars",
+                 fmt::format("the bars would be {} mm high, expected at least {} modules, {} mm",
+                             format_number(bar_height(tag) * 1e3, 1), kLeastBars,
+                             format_number(least_bars * 1e3, 1)),
+                 "a smaller margin or a higher inner frame");
   }
   if (tag.margin_modules < kLeastMargin) {
-    file.log().warning(
-        file.find("symbol")->place, "narrow-margin",
-        fmt::format("the bars' margin is {} modules, expected at least {}",
-                    format_number(tag.margin_modules), format_number(kLeastMargin)),
-        "bars so near the frame are read at shorter range than plans say, with worse corners");
+    symbol.warning("narrow-margin",
+                   fmt::format("the bars' margin is {} modules, expected at least {}",
+                               format_number(tag.margin_modules), format_number(kLeastMargin)),
+                   "bars so near the frame are read at shorter range than plans say, with worse "
+                   "corners");
   }
   if (tag.frame_stroke < (1 - kRounding) * module_width(tag)) {
     // Plates that hang may have it: they are read at short range, and plans reckon with that.
-    file.log().warning(file.find("feature_frame")->place, "thin-stroke",
-                       "the feature frame's stroke is " + format_number(tag.frame_stroke * 1e3, 3) +
-                           " mm, expected at least a module, " +
-                           format_number(module_width(tag) * 1e3, 3) + " mm",
-                       "strokes are given in metres; the shipped templates have 3 to 4 modules");
+    file.at("feature_frame")
+        .warning("thin-stroke",
+                 fmt::format("the feature frame's stroke is {} mm, expected at least a module, {} "
+                             "mm",
+                             mm_text(tag.frame_stroke), mm_text(module_width(tag))),
+                 "strokes are given in metres; the shipped templates have 3 to 4 modules");
   }
   if (tag.dots_per_inch > 0 &&
       module_width(tag) < (1 - kRounding) * kMetresPerInch / tag.dots_per_inch) {
-    file.log().error(file.find("symbol")->place, "no-dots",
-                     "a module is narrower than one dot of " + std::to_string(tag.dots_per_inch) +
-                         " dots per inch",
-                     "a longer inner frame or a finer printer");
+    symbol.error("no-dots",
+                 "a module is narrower than one dot of " + std::to_string(tag.dots_per_inch) +
+                     " dots per inch",
+                 "a longer inner frame or a finer printer");
   }
 }
 
@@ -113,72 +107,63 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double read_millimetres(const MapReader& map, std::string_view key, double fallback) {
-  return kMillimetre * map.number_or(key, fallback / kMillimetre, above_zero(1000, "mm"));
-}
-
-std::string read_word(const MapReader& map, std::string_view key, std::string usual) {
-  return read_text(map.find(key), map.name_of(key), map.log()).value_or(std::move(usual));
+double read_millimetres(const MapReader& map, std::string_view key, double fallback,
+                        const NumberRange& range = above_zero(1000, "mm")) {
+  return kMillimetre * map.number_or(key, fallback / kMillimetre, range);
 }
 
 // Text of which every field is known.
-std::optional<std::string> read_fields(const YamlNode* node, const std::string& name,
-                                       FindingLog& log) {
-  std::optional<std::string> text = read_text(node, name, log);
+std::optional<std::string> read_fields(const YamlValue& value) {
+  std::optional<std::string> text = read_text(value);
   const std::optional<std::string> unknown = text ? unknown_field(*text) : std::nullopt;
   if (!unknown) return text;
   std::string known;
   for (const std::string_view field : kLabelFields) known += fmt::format(" {{{}}}", field);
-  log.error(node->place, "unknown-field", name + " has " + *unknown + ", which is no field",
-            "the fields are" + known);
-  return std::nullopt;
+  return value.error("unknown-field", value.name + " has " + *unknown + ", which is no field",
+                     "the fields are" + known);
 }
 
 void read_label(const MapReader& label, TagTemplate& tag) {
   constexpr std::size_t kMostLines = 6;
-  FindingLog& log = label.log();
-  tag.label.shown = read_bool(label.find("shown"), label.name_of("shown"), log).value_or(true);
+  tag.label.shown = read_bool(label.at("shown")).value_or(true);
   // Nobody reads capital letters lower than a millimetre.
   tag.label.text_height =
-      kMillimetre * label.number_or("text_height_mm", tag.label.text_height / kMillimetre,
-                                    between(1, 1000, "mm"));
-  tag.label.left = read_word(label, "left", tag.label.left);
-  tag.label.right = read_word(label, "right", tag.label.right);
-  if (!label.has("lines")) return;
-  const std::vector<YamlNode>* lines = read_list(label.find("lines"), label.name_of("lines"), log);
-  if (lines == nullptr) return;
+      read_millimetres(label, "text_height_mm", tag.label.text_height, between(1, 1000, "mm"));
+  tag.label.left = read_text(label.at("left")).value_or(tag.label.left);
+  tag.label.right = read_text(label.at("right")).value_or(tag.label.right);
+  const YamlValue value = label.at("lines");
+  const auto lines = read_list(value);
+  if (!lines) return;
   if (lines->empty() || lines->size() > kMostLines) {
-    log.error(label.find("lines")->place, "out-of-range",
-              fmt::format("label.lines has {} lines, expected 1 to {}", lines->size(), kMostLines),
-              lines->empty() ? "label: { shown: false } for plates without a label" : "");
+    value.error(
+        "out-of-range",
+        fmt::format("label.lines has {} lines, expected 1 to {}", lines->size(), kMostLines),
+        lines->empty() ? "label: { shown: false } for plates without a label" : "");
   }
-  for (const YamlNode& line : *lines) {
-    if (auto text = read_fields(&line, label.name_of("lines"), log)) {
+  for (const YamlValue& line : *lines) {
+    if (auto text = read_fields({line.node, value.name, value.log})) {
       tag.label.lines.push_back(std::move(*text));
     }
   }
 }
 
 void read_logo(const MapReader& logo, const fs::path& template_folder, TagTemplate& tag) {
-  const YamlNode* file = logo.need("file", "file: logo.svg, beside the template");
-  const auto name = read_text(file, logo.name_of("file"), logo.log());
-  const YamlNode* size = logo.need("size_mm", "size_mm: [width, height]");
+  const YamlValue file = logo.need("file", "file: logo.svg, beside the template");
+  const auto name = read_text(file);
   const auto sides =
-      read_numbers(size, logo.name_of("size_mm"), 2, above_zero(1000, "mm"), logo.log());
+      read_numbers(logo.need("size_mm", "size_mm: [width, height]"), 2, above_zero(1000, "mm"));
   if (!name || !sides) return;
   tag.logo = {template_folder / *name, kMillimetre * (*sides)[0], kMillimetre * (*sides)[1]};
   std::error_code ignored;
   if (fs::is_regular_file(tag.logo.file, ignored)) return;
   // Only print needs it.
-  logo.log().warning(file->place, "no-logo", "there is no file " + tag.logo.file.string(),
-                     "an SVG file; its name is relative to the template's folder");
+  file.warning("no-logo", "there is no file " + tag.logo.file.string(),
+               "an SVG file; its name is relative to the template's folder");
 }
 
 void read_qr(const MapReader& qr, TagTemplate& tag) {
   tag.qr.size = kMillimetre * qr.number("size_mm", above_zero(1000, "mm")).value_or(0);
-  if (!qr.has("content")) return;
-  tag.qr.content =
-      read_fields(qr.find("content"), qr.name_of("content"), qr.log()).value_or(tag.qr.content);
+  tag.qr.content = read_fields(qr.at("content")).value_or(tag.qr.content);
 }
 
 // Four holes, so far from the plate's edges.
@@ -193,7 +178,6 @@ std::vector<DrillHole> corner_holes(const TagTemplate& tag, double inset, double
 
 void read_holes(const MapReader& holes, TagTemplate& tag) {
   constexpr std::size_t kMostHoles = 100;
-  FindingLog& log = holes.log();
   holes.exclude_each_other({"inset_mm", "at"});
   const auto diameter = holes.number("diameter_mm", above_zero(1000, "mm"));
   if (!diameter) return;
@@ -201,26 +185,23 @@ void read_holes(const MapReader& holes, TagTemplate& tag) {
     tag.holes = corner_holes(tag, read_millimetres(holes, "inset_mm", 0), kMillimetre * *diameter);
     return;
   }
-  const YamlNode* at = holes.need("at", "at: [[right, up], ...] in metres, or inset_mm: 12");
-  if (at == nullptr) return;
-  const auto* points = read_list(at, holes.name_of("at"), log);
-  if (points == nullptr) return;
+  const YamlValue at = holes.need("at", "at: [[right, up], ...] in metres, or inset_mm: 12");
+  const auto points = read_list(at);
+  if (!points) return;
   if (points->size() > kMostHoles) {
-    log.error(at->place, "out-of-range", "more than 100 holes, expected at most 100", "");
+    at.error("out-of-range", "more than 100 holes, expected at most 100");
     return;
   }
-  for (const YamlNode& node : *points) {
-    const auto point = read_numbers(&node, holes.name_of("at"), 2,
-                                    between(-kLargestPlate, kLargestPlate, "m"), log);
+  for (const YamlValue& each : *points) {
+    const auto point =
+        read_numbers({each.node, at.name, at.log}, 2, between(-kLargestPlate, kLargestPlate, "m"));
     if (point) tag.holes.push_back({(*point)[0], (*point)[1], kMillimetre * *diameter});
   }
 }
 
 void read_cut(const MapReader& cut, TagTemplate& tag) {
-  tag.cut.contour =
-      read_bool(cut.find("contour"), cut.name_of("contour"), cut.log()).value_or(false);
-  tag.cut.corner_radius =
-      kMillimetre * cut.number_or("corner_radius_mm", 0, between(0, 1000, "mm"));
+  tag.cut.contour = read_bool(cut.at("contour")).value_or(false);
+  tag.cut.corner_radius = read_millimetres(cut, "corner_radius_mm", 0, between(0, 1000, "mm"));
 }
 
 // How far inside the plate's edge a point lies; negative outside. The plate's corners are rounded.
@@ -253,12 +234,11 @@ void check_holes(const TagTemplate& tag, const TagDrawing& drawing, const MapRea
       problem = "lies in the strip of the label, below the feature frame";
     }
     if (problem.empty()) continue;
-    file.log().error(file.find("holes")->place, "hole-misplaced",
-                     "hole " + std::to_string(i + 1) + ", " +
-                         format_number(tag.holes[i].right * 1e3) + " mm right of the plate's " +
-                         "middle and " + format_number(tag.holes[i].up * 1e3) + " mm up, " +
-                         problem,
-                     "holes go between the feature frame and the plate's edge");
+    file.at("holes").error(
+        "hole-misplaced",
+        fmt::format("hole {}, {} mm right of the plate's middle and {} mm up, {}", i + 1,
+                    mm_text(tag.holes[i].right, 6), mm_text(tag.holes[i].up, 6), problem),
+        "holes go between the feature frame and the plate's edge");
   }
 }
 
@@ -268,8 +248,8 @@ void check_strip(const TagTemplate& tag, const TagDrawing& drawing, const MapRea
   const auto check = [&](const char* key, const char* rule, const char* what, bool stands,
                          double width, double height) {
     if (!file.has(key) || stands) return;
-    file.log().error(
-        file.find(key)->place, rule,
+    file.at(key).error(
+        rule,
         fmt::format("{} of {} x {} mm: the strip below the feature frame is {} mm high, and each "
                     "part beside the label may take half of its free length",
                     what, mm_text(width, 1), mm_text(height, 1),
@@ -285,22 +265,13 @@ void check_strip(const TagTemplate& tag, const TagDrawing& drawing, const MapRea
 
 // Label, holes, patches, logo, QR symbol and cut; the logo's file is sought in the folder.
 void read_plate_parts(const MapReader& file, const fs::path& template_folder, TagTemplate& tag) {
-  FindingLog& log = file.log();
-  read_label(MapReader(file.find("label"), "label",
-                       {"shown", "text_height_mm", "lines", "left", "right"}, log),
-             tag);
-  if (file.has("holes")) {
-    read_holes(MapReader(file.find("holes"), "holes", {"diameter_mm", "inset_mm", "at"}, log), tag);
-  }
-  if (file.has("patches")) {
-    const MapReader patches(file.find("patches"), "patches", {"size_mm"}, log);
-    tag.patch_size = kMillimetre * patches.number("size_mm", above_zero(1000, "mm")).value_or(0);
-  }
-  if (file.has("logo")) {
-    read_logo(MapReader(file.find("logo"), "logo", {"file", "size_mm"}, log), template_folder, tag);
-  }
-  if (file.has("qr")) read_qr(MapReader(file.find("qr"), "qr", {"size_mm", "content"}, log), tag);
-  read_cut(MapReader(file.find("cut"), "cut", {"contour", "corner_radius_mm"}, log), tag);
+  read_label({file.at("label"), {"shown", "text_height_mm", "lines", "left", "right"}}, tag);
+  read_holes({file.at("holes"), {"diameter_mm", "inset_mm", "at"}}, tag);
+  const MapReader patches(file.at("patches"), {"size_mm"});
+  tag.patch_size = kMillimetre * patches.number("size_mm", above_zero(1000, "mm")).value_or(0);
+  read_logo({file.at("logo"), {"file", "size_mm"}}, template_folder, tag);
+  read_qr({file.at("qr"), {"size_mm", "content"}}, tag);
+  read_cut({file.at("cut"), {"contour", "corner_radius_mm"}}, tag);
 }
 
 // The plate's rounded corners leave the feature frame whole.
@@ -314,21 +285,20 @@ void check_corners(const TagTemplate& tag, const TagDrawing& drawing, const MapR
     }
   }
   if (least >= -kRounding) return;
-  file.log().error(file.find("cut")->place, "corner-radius",
-                   fmt::format("corners of {} mm radius cut {} mm off the corners of the feature "
-                               "frame",
-                               format_number(tag.cut.corner_radius * 1e3), mm_text(-least, 1)),
-                   "a smaller radius, or a larger plate");
+  file.at("cut").error(
+      "corner-radius",
+      fmt::format("corners of {} mm radius cut {} mm off the corners of the feature frame",
+                  mm_text(tag.cut.corner_radius, 6), mm_text(-least, 1)),
+      "a smaller radius, or a larger plate");
 }
 
 // Everything on the plate has its place there.
 void check_plate_parts(const TagTemplate& tag, const MapReader& file) {
   const double least_side = std::min(tag.plate_length, tag.plate_height);
   if (tag.cut.corner_radius > least_side / 2) {
-    file.log().error(file.find("cut")->place, "corner-radius",
-                     "corners of " + format_number(tag.cut.corner_radius * 1e3) +
-                         " mm radius, expected at most half the plate's shorter side",
-                     "");
+    file.at("cut").error("corner-radius",
+                         "corners of " + mm_text(tag.cut.corner_radius, 6) +
+                             " mm radius, expected at most half the plate's shorter side");
   }
   const TagDrawing drawing = draw_tag(tag, Digits{});
   check_corners(tag, drawing, file);
@@ -344,43 +314,41 @@ void check_dimensions(const TagTemplate& tag, const MapReader& file) {
   const double needed_height =
       tag.frame_inner_height + 2 * tag.frame_stroke + 2 * std::abs(tag.frame_offset_up);
   constexpr double kRounding = 1e-9;
-  const Place frame = file.find("feature_frame")->place;
   if (needed_length > tag.plate_length + kRounding ||
       needed_height > tag.plate_height + kRounding) {
-    file.log().error(frame, "frame-outside-plate",
-                     "the feature frame needs a plate of " + format_number(needed_length) + " x " +
-                         format_number(needed_height) + " m, the plate is " +
-                         format_number(tag.plate_length) + " x " + format_number(tag.plate_height) +
-                         " m",
-                     "a larger plate, a smaller inner size or a thinner stroke");
+    file.at("feature_frame")
+        .error("frame-outside-plate",
+               fmt::format("the feature frame needs a plate of {} x {} m, the plate is {} x {} m",
+                           format_number(needed_length), format_number(needed_height),
+                           format_number(tag.plate_length), format_number(tag.plate_height)),
+               "a larger plate, a smaller inner size or a thinner stroke");
   }
   check_symbol(tag, file);
 }
 
-TagTemplate read_tag(const YamlNode& root, const fs::path& path, FindingLog& log) {
-  const MapReader file(&root, "",
-                       {"tag", "plate", "feature_frame", "symbol", "label", "holes", "patches",
-                        "logo", "qr", "cut", "material", "white_on_black"},
-                       log);
+TagTemplate read_template_tree(const YamlValue& root, const fs::path& path) {
+  const FindingLog& log = *root.log;
+  const MapReader file(root, {"tag", "plate", "feature_frame", "symbol", "label", "holes",
+                              "patches", "logo", "qr", "cut", "material", "white_on_black"});
   TagTemplate tag;
-  tag.name = read_name(file.need("tag", "tag: NAME"), "tag", log).value_or("");
-  const auto plate =
-      read_size(file.need("plate", "plate: [length, height] in metres"), "plate", log);
+  tag.file = path;
+  tag.name = read_name(file.need("tag", "tag: NAME")).value_or("");
+  const auto plate = read_numbers(file.need("plate", "plate: [length, height] in metres"), 2,
+                                  above_zero(kLargestPlate, "m"));
   if (plate) {
-    tag.plate_length = plate->width;
-    tag.plate_height = plate->height;
+    tag.plate_length = (*plate)[0];
+    tag.plate_height = (*plate)[1];
   }
-  const MapReader frame(
-      file.need("feature_frame", "feature_frame: { inner: [0.343, 0.168], stroke: 0.012 }"),
-      "feature_frame", {"inner", "stroke", "offset"}, log);
-  read_feature_frame(frame, tag);
-  const MapReader symbol(file.need("symbol", "symbol: { quiet_zone: 9, margin: 9 }"), "symbol",
-                         {"quiet_zone", "margin", "dots_per_inch"}, log);
-  read_symbol(symbol, tag);
+  read_feature_frame(
+      {file.need("feature_frame", "feature_frame: { inner: [0.343, 0.168], stroke: 0.012 }"),
+       {"inner", "stroke", "offset"}},
+      tag);
+  read_symbol({file.need("symbol", "symbol: { quiet_zone: 9, margin: 9 }"),
+               {"quiet_zone", "margin", "dots_per_inch"}},
+              tag);
   read_plate_parts(file, path.parent_path(), tag);
-  tag.white_on_black =
-      read_bool(file.find("white_on_black"), "white_on_black", log).value_or(false);
-  tag.material = read_text(file.find("material"), "material", log).value_or("");
+  tag.white_on_black = read_bool(file.at("white_on_black")).value_or(false);
+  tag.material = read_text(file.at("material")).value_or("");
   if (!log.has_errors()) check_dimensions(tag, file);
   if (!log.has_errors()) check_plate_parts(tag, file);
   return tag.dots_per_inch > 0 && !log.has_errors() ? fitted_to_dots(tag, tag.dots_per_inch) : tag;
@@ -415,14 +383,8 @@ std::optional<fs::path> file_if_there(const fs::path& path) {
 }  // namespace
 
 Result<Diagnosed<TagTemplate>> read_template(const fs::path& path) {
-  const auto read_root = [&](const YamlNode& root, FindingLog& log) {
-    TagTemplate tag = read_tag(root, path, log);
-    tag.file = path;
-    return tag;
-  };
-  return read_file(path).map([&](const std::string& text) {
-    return read_yaml_file<TagTemplate>(path, text, "tag", read_root);
-  });
+  return read_yaml_file<TagTemplate>(
+      path, "tag", [&](const YamlValue& root) { return read_template_tree(root, path); });
 }
 
 Result<TagTemplate> load_template(const fs::path& path) {

@@ -16,16 +16,6 @@ namespace tagsmith::detail {
 // ---- The keys of a tag that files of templates and of boards share: feature frame and symbol.
 // Internal to tagsmith/survey.
 
-inline constexpr double kLargestPlate = 10.0;  // metres
-
-struct Size {
-  double width = 0;
-  double height = 0;
-};
-
-// A list of two lengths of at most kLargestPlate.
-std::optional<Size> read_size(const YamlNode* node, const std::string& name, FindingLog& log);
-
 // The keys inner, stroke and offset.
 void read_feature_frame(const MapReader& frame, TagTemplate& tag);
 

@@ -18,10 +18,22 @@
 #include "tagsmith/survey/passes_over.hpp"
 
 namespace tagsmith::detail {
+namespace {
 
 // ---- Walls and roof.
 
-namespace {
+// Metres: of the plates from the rock.
+constexpr double kLargestStandOff = 1;
+// Of the sections together, and of each wall.
+constexpr std::size_t kMostStations = 100'000;
+
+// Walls and roof along the center line; one that has a fault (logged) or depends on one is absent.
+struct Room {
+  std::optional<ChainageProfile> left;  // as Tunnel's
+  std::optional<ChainageProfile> right;
+  std::optional<ChainageProfile> height;
+  double stand_off = 0;
+};
 
 const char* kWallHint = "a list of [chainage, distance]: [[0, 1.9], [12.5, 2.1]]";
 const char* kSectionHint = "{ at: CHAINAGE, width: W, height: H }";
@@ -39,9 +51,10 @@ struct Stations {
   }
 };
 
-// Adds the station unless it stands before the last one or is a third at its chainage.
-void add_station(Stations& stations, const ProfileStation& station, Place place,
-                 const std::string& name, FindingLog& log) {
+// Adds the station unless it stands before the last one or is a third at its chainage. `value`
+// states it.
+void add_station(Stations& stations, const ProfileStation& station, const YamlValue& value,
+                 const std::string& name) {
   const std::size_t count = stations.list.size();
   const bool falls = count > 0 && station.chainage < stations.list.back().chainage;
   const bool third = count > 1 && station.chainage == stations.list[count - 2].chainage;
@@ -50,21 +63,21 @@ void add_station(Stations& stations, const ProfileStation& station, Place place,
     return;
   }
   stations.complete = false;
-  log.error(place, "bad-station",
-            name + " is at chainage " + format_number(station.chainage) + " m, " +
-                (falls ? "the one before it at " + format_number(stations.list.back().chainage) +
-                             " m, expected them along the drive"
-                       : "the third there, expected one, or two for a step"),
-            "a step is two stations at one chainage: before it, beyond it");
+  value.error("bad-station",
+              name + " is at chainage " + format_number(station.chainage) + " m, " +
+                  (falls ? "the one before it at " + format_number(stations.list.back().chainage) +
+                               " m, expected them along the drive"
+                         : "the third there, expected one, or two for a step"),
+              "a step is two stations at one chainage: before it, beyond it");
 }
 
-bool has_fair_length(const std::vector<YamlNode>& list, Place place, const std::string& name,
-                     FindingLog& log) {
-  if (!list.empty() && list.size() <= kMostStations) return true;
-  log.error(place, "wrong-length",
-            name + " has " + std::to_string(list.size()) + " stations, expected 1 to " +
-                std::to_string(kMostStations));
-  return false;
+// The items of a list that has one at least and not more than `most`; `noun`: what they are.
+std::optional<std::vector<YamlValue>> read_some(const YamlValue& value, std::size_t most,
+                                                const std::string& noun) {
+  auto list = read_list(value);
+  if (!list || (!list->empty() && list->size() <= most)) return list;
+  return value.error("wrong-length", fmt::format("{} has {} {}, expected 1 to {}", value.name,
+                                                 list->size(), noun, most));
 }
 
 // --- sections ---
@@ -74,27 +87,24 @@ struct Sections {
   Stations heights;
 };
 
-void read_section(const YamlNode& node, const std::string& name, Sections& sections,
-                  FindingLog& log) {
-  const MapReader map(&node, name, {"at", "width", "height"}, log);
+void read_section(const YamlValue& section, Sections& sections) {
+  const MapReader map(section, {"at", "width", "height"});
   if (!map.is_map()) {
     sections.widths.complete = sections.heights.complete = false;
     return;
   }
   const auto at = map.number("at", chainage_range(), kSectionHint);
   if (!map.has("width") && !map.has("height")) {
-    log.error(map.place(), "missing-key",
-              name + " has neither `width` nor `height`, expected one of them or both",
-              kSectionHint);
+    section.error("missing-key",
+                  section.name + " has neither `width` nor `height`, expected one of them or both",
+                  kSectionHint);
   }
   for (const auto& [key, stations] :
        {std::pair("width", &sections.widths), std::pair("height", &sections.heights)}) {
-    const YamlNode* value_node = map.find(key);
-    if (value_node == nullptr) continue;
-    const auto value =
-        read_number(value_node, map.name_of(key), above_zero(kLargestRoom, "m"), log);
+    if (!map.has(key)) continue;
+    const auto value = map.number_if_there(key, above_zero(kLargestRoom, "m"));
     if (at && value) {
-      add_station(*stations, {*at, *value}, map.find("at")->place, map.name_of(key), log);
+      add_station(*stations, {*at, *value}, map.at("at"), map.at(key).name);
     } else {
       stations->complete = false;
     }
@@ -103,17 +113,11 @@ void read_section(const YamlNode& node, const std::string& name, Sections& secti
 
 Sections read_sections(const MapReader& tunnel) {
   Sections sections;
-  const YamlNode* node = tunnel.find("sections");
-  if (node == nullptr) return sections;
-  FindingLog& log = tunnel.log();
-  const std::string name = tunnel.name_of("sections");
-  const std::vector<YamlNode>* list = read_list(node, name, log);
-  if (list == nullptr || !has_fair_length(*list, node->place, name, log)) {
-    sections.widths.complete = sections.heights.complete = false;
-    return sections;
-  }
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    read_section((*list)[i], name + "[" + std::to_string(i) + "]", sections, log);
+  if (!tunnel.has("sections")) return sections;
+  const auto list = read_some(tunnel.at("sections"), kMostStations, "stations");
+  if (!list) sections.widths.complete = sections.heights.complete = false;
+  for (const YamlValue& section : list.value_or(std::vector<YamlValue>{})) {
+    read_section(section, sections);
   }
   return sections;
 }
@@ -121,13 +125,13 @@ Sections read_sections(const MapReader& tunnel) {
 // The values of the map's own key or of the sections, one of which must have them.
 std::optional<ChainageProfile> read_everywhere(const MapReader& tunnel, const char* key,
                                                const Stations& sections) {
-  FindingLog& log = tunnel.log();
   const bool in_sections = !sections.list.empty() || !sections.complete;
   if (tunnel.has(key) && in_sections) {
-    log.error(tunnel.find(key)->place, "conflicting-keys",
-              "`" + tunnel.name_of(key) + "` beside `sections` that say it, expected one of them",
-              "the section at the lowest chainage holds before it, that at the highest beyond it");
-    return std::nullopt;
+    const YamlValue value = tunnel.at(key);
+    return value.error(
+        "conflicting-keys",
+        "`" + value.name + "` beside `sections` that say it, expected one of them",
+        "the section at the lowest chainage holds before it, that at the highest beyond it");
   }
   if (in_sections) return sections.profile();
   const auto value = tunnel.number(key, above_zero(kLargestRoom, "m"),
@@ -139,33 +143,25 @@ std::optional<ChainageProfile> read_everywhere(const MapReader& tunnel, const ch
 // --- walls ---
 
 // Distances from the center line to the rock, minus the stand-off: to the plates' plane.
-std::optional<ChainageProfile> read_wall(const MapReader& walls, const char* side,
-                                         double stand_off) {
-  FindingLog& log = walls.log();
-  const std::string name = walls.name_of(side);
-  const YamlNode* node = walls.find(side);
-  const std::vector<YamlNode>* list = read_list(node, name, log);
-  if (list == nullptr || !has_fair_length(*list, node->place, name, log)) return std::nullopt;
+std::optional<ChainageProfile> read_wall(const YamlValue& wall, double stand_off) {
+  const auto list = read_some(wall, kMostStations, "stations");
+  if (!list) return std::nullopt;
+  NumberRange room = between(stand_off, kLargestRoom, "m");
+  room.low_excluded = true;  // in front of the rock there must be space for the plates
   Stations stations;
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const YamlNode& item = (*list)[i];
-    const std::string item_name = name + "[" + std::to_string(i) + "]";
-    const std::vector<YamlNode>* pair = read_list(&item, item_name, log);
-    if (pair != nullptr && pair->size() != 2) {
-      log.error(item.place, "wrong-length",
-                item_name + " has " + std::to_string(pair->size()) +
-                    " numbers, expected two: chainage and distance",
-                kWallHint);
+  for (const YamlValue& item : *list) {
+    const auto pair = read_list(item);
+    const bool is_pair = pair && pair->size() == 2;
+    if (pair && !is_pair) {
+      item.error("wrong-length",
+                 item.name + " has " + std::to_string(pair->size()) +
+                     " numbers, expected two: chainage and distance",
+                 kWallHint);
     }
-    const bool is_pair = pair != nullptr && pair->size() == 2;
-    const auto chainage =
-        is_pair ? read_number(&(*pair)[0], item_name + "[0]", chainage_range(), log) : std::nullopt;
-    NumberRange room = between(stand_off, kLargestRoom, "m");
-    room.low_excluded = true;  // in front of the rock there must be space for the plates
-    const auto distance =
-        is_pair ? read_number(&(*pair)[1], item_name + "[1]", room, log) : std::nullopt;
+    const auto chainage = is_pair ? read_number((*pair)[0], chainage_range()) : std::nullopt;
+    const auto distance = is_pair ? read_number((*pair)[1], room) : std::nullopt;
     if (chainage && distance) {
-      add_station(stations, {*chainage, *distance - stand_off}, item.place, item_name, log);
+      add_station(stations, {*chainage, *distance - stand_off}, item, item.name);
     } else {
       stations.complete = false;
     }
@@ -173,46 +169,38 @@ std::optional<ChainageProfile> read_wall(const MapReader& walls, const char* sid
   return stations.profile();
 }
 
-}  // namespace
-
+// From the keys width, height, sections, walls and stand_off of the map.
 Room read_room(const MapReader& tunnel) {
   Room room;
   room.stand_off = tunnel.number_or("stand_off", 0, between(0, kLargestStandOff, "m"));
   const Sections sections = read_sections(tunnel);
   room.height = read_everywhere(tunnel, "height", sections.heights);
 
-  const MapReader walls(tunnel.find("walls"), tunnel.name_of("walls"), {"left", "right"},
-                        tunnel.log());
+  const MapReader walls(tunnel.at("walls"), {"left", "right"});
   const bool both = walls.has("left") && walls.has("right");
   if (both && (tunnel.has("width") || !sections.widths.list.empty())) {
-    tunnel.log().error(walls.place(), "conflicting-keys",
-                       "`" + walls.name() + "` has both walls, and the width is given besides",
-                       "keep the width without walls, or the walls without width");
+    walls.value().error(
+        "conflicting-keys",
+        "`" + walls.value().name + "` has both walls, and the width is given besides",
+        "keep the width without walls, or the walls without width");
   }
   std::optional<ChainageProfile> width;
   if (!both && tunnel.is_map()) width = read_everywhere(tunnel, "width", sections.widths);
   if (walls.has("left")) {
-    const auto wall = read_wall(walls, "left", room.stand_off);
+    const auto wall = read_wall(walls.at("left"), room.stand_off);
     if (wall) room.left = wall->scaled(-1);
   } else if (width) {
     room.left = width->scaled(-0.5);
   }
   if (walls.has("right")) {
-    room.right = read_wall(walls, "right", room.stand_off);
+    room.right = read_wall(walls.at("right"), room.stand_off);
   } else if (width) {
     room.right = width->scaled(0.5);
   }
   return room;
 }
 
-// ---- Grid and tunnel.
-
-namespace {
-
-struct Elements {
-  std::vector<CenterlineElement> elements;
-  bool complete = true;  // false: some were faulty
-};
+// ---- Center line.
 
 const char* kElementHint =
     "{ line: LENGTH }, { arc: RADIUS, turn: left|right, angle: DEGREES } or { clothoid: LENGTH, "
@@ -233,11 +221,11 @@ bool leaves_room(const MapReader& map, const char* key, double radius, bool turn
   const double inner_wall =
       turns_right ? inner->greatest(start, start + length) : -inner->least(start, start + length);
   if (radius > inner_wall) return true;
-  map.log().error(map.find(key)->place, "tight-arc",
-                  map.name_of(key) + " has a radius of " + format_number(radius) +
-                      " m, expected more than the distance of its inner wall, " +
-                      format_number(inner_wall) + " m",
-                  "the radius is that of the center line");
+  map.at(key).error("tight-arc",
+                    map.at(key).name + " has a radius of " + format_number(radius) +
+                        " m, expected more than the distance of its inner wall, " +
+                        format_number(inner_wall) + " m",
+                    "the radius is that of the center line");
   return false;
 }
 
@@ -270,13 +258,13 @@ std::vector<CenterlineElement> read_clothoid(const MapReader& map, double start,
   }
   const double turned = *length * std::abs(curvatures[0] + curvatures[1]) / 2;
   if (curvatures[0] == curvatures[1] || turned > 2 * std::numbers::pi) {
-    map.log().error(map.place(), "bad-element",
-                    curvatures[0] == curvatures[1]
-                        ? "the clothoid has the same radius at both ends, expected two, or one "
-                          "where its other end is straight"
-                        : "the clothoid turns by " + format_number(degrees(turned), 0) +
-                              " degrees, expected at most 360",
-                    kElementHint);
+    map.value().error("bad-element",
+                      curvatures[0] == curvatures[1]
+                          ? "the clothoid has the same radius at both ends, expected two, or one "
+                            "where its other end is straight"
+                          : "the clothoid turns by " + format_number(degrees(turned), 0) +
+                                " degrees, expected at most 360",
+                      kElementHint);
     return {};
   }
   return arcs_of_clothoid(*length, curvatures[0], curvatures[1], number);
@@ -290,20 +278,18 @@ void check_keys(const MapReader& map, const std::string& kind) {
                                                         {"to_radius", "clothoid"}};
   for (const auto& [key, kinds] : owners) {
     if (!map.has(key) || kinds.find(kind) != std::string::npos) continue;
-    map.log().error(map.find(key)->place, "conflicting-keys",
-                    "`" + map.name_of(key) + "` beside `" + kind + "`, expected it with `" +
-                        (kinds == "arc clothoid" ? "arc` or `clothoid" : kinds) + "` only",
-                    kElementHint);
+    map.at(key).error("conflicting-keys",
+                      "`" + map.at(key).name + "` beside `" + kind + "`, expected it with `" +
+                          (kinds == "arc clothoid" ? "arc` or `clothoid" : kinds) + "` only",
+                      kElementHint);
   }
 }
 
 // One, or the arcs of a clothoid; none where it is faulty. `number`: from 1.
-std::vector<CenterlineElement> read_element(const YamlNode& node, const std::string& name,
-                                            double start, int number, const Room& room,
-                                            FindingLog& log) {
+std::vector<CenterlineElement> read_element(const YamlValue& element, double start, int number,
+                                            const Room& room) {
   const MapReader map(
-      &node, name,
-      {"line", "arc", "clothoid", "turn", "angle", "from_radius", "to_radius", "grade"}, log);
+      element, {"line", "arc", "clothoid", "turn", "angle", "from_radius", "to_radius", "grade"});
   if (!map.is_map()) return {};
   const double grade = map.number_or("grade", 0, between(-100, 100, "percent")) / 100;
   std::vector<std::string> kinds;
@@ -311,10 +297,10 @@ std::vector<CenterlineElement> read_element(const YamlNode& node, const std::str
     if (map.has(kind)) kinds.emplace_back(kind);
   }
   if (kinds.size() != 1) {
-    log.error(map.place(), "bad-element",
-              name + " has " + (kinds.empty() ? "none" : "several") +
-                  " of `line`, `arc` and `clothoid`, expected one of them",
-              kElementHint);
+    element.error("bad-element",
+                  element.name + " has " + (kinds.empty() ? "none" : "several") +
+                      " of `line`, `arc` and `clothoid`, expected one of them",
+                  kElementHint);
     return {};
   }
   check_keys(map, kinds.front());
@@ -324,47 +310,39 @@ std::vector<CenterlineElement> read_element(const YamlNode& node, const std::str
   } else if (auto one = kinds.front() == "arc" ? read_arc(map, start, room) : read_line(map)) {
     elements.push_back(*one);
   }
-  for (CenterlineElement& element : elements) element.grade = grade;
+  for (CenterlineElement& each : elements) each.grade = grade;
   return elements;
 }
 
-Elements read_elements(const MapReader& centerline, const Room& room) {
-  const std::string name = centerline.name_of("elements");
-  FindingLog& log = centerline.log();
-  const YamlNode* node = centerline.need("elements", "elements: [ { line: 10.0 } ]");
-  const std::vector<YamlNode>* list = read_list(node, name, log);
-  Elements result;
-  result.complete = list != nullptr;
-  if (list == nullptr) return result;
-  if (list->empty() || list->size() > kMostElements) {
-    log.error(node->place, "wrong-length",
-              name + " has " + std::to_string(list->size()) + " elements, expected 1 to " +
-                  std::to_string(kMostElements));
-    result.complete = false;
-    return result;
-  }
+// Nothing where one is faulty.
+std::optional<std::vector<CenterlineElement>> read_elements(const MapReader& centerline,
+                                                            const Room& room) {
+  const auto list = read_some(centerline.need("elements", "elements: [ { line: 10.0 } ]"),
+                              kMostElements, "elements");
+  if (!list) return std::nullopt;
+  std::vector<CenterlineElement> all;
+  bool complete = true;
   double start = 0;
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const auto elements = read_element((*list)[i], name + "[" + std::to_string(i) + "]", start,
-                                       static_cast<int>(i) + 1, room, log);
-    result.complete = result.complete && !elements.empty();
+  int number = 0;
+  for (const YamlValue& value : *list) {
+    const auto elements = read_element(value, start, ++number, room);
+    complete = complete && !elements.empty();
     for (const CenterlineElement& element : elements) start += element.length;
-    result.elements.insert(result.elements.end(), elements.begin(), elements.end());
+    all.insert(all.end(), elements.begin(), elements.end());
   }
-  return result;
+  return complete ? std::optional(all) : std::nullopt;
 }
 
-std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid, const Room& room,
-                                          FindingLog& log) {
-  const MapReader map(node, "tunnel.centerline", {"start", "heading", "elements"}, log);
-  const auto start = read_point(map.need("start", "start: [x, y, z] on the floor"),
-                                map.name_of("start"), kFarthest, log);
+std::optional<Centerline> read_centerline(const YamlValue& centerline, const Grid& grid,
+                                          const Room& room) {
+  const MapReader map(centerline, {"start", "heading", "elements"});
+  const auto start = read_point(map.need("start", "start: [x, y, z] on the floor"), kFarthest);
   const auto heading =
       map.number("heading", between(-360, 360, "degrees"), "heading: degrees from +y towards +x");
-  const Elements elements = read_elements(map, room);
-  if (!start || !heading || !elements.complete) return std::nullopt;
+  const auto elements = read_elements(map, room);
+  if (!start || !heading || !elements) return std::nullopt;
   return Centerline(world_from_grid(grid, *start), world_heading_from_grid(grid, radians(*heading)),
-                    elements.elements);
+                    *elements);
 }
 
 // From the center line to the wall that faces the point; 0 where the point lies farther ahead or
@@ -379,7 +357,7 @@ double distance_towards(const Tunnel& tunnel, double chainage, const Eigen::Vect
 }
 
 // Places are found by their plan (Centerline::locate). False, and logged, where it has two of one.
-bool check_passing(const Tunnel& tunnel, Place place, FindingLog& log) {
+bool check_passing(const Tunnel& tunnel, const YamlValue& centerline) {
   constexpr double kMostSteps = 1e5;
   const Centerline& line = tunnel.centerline;
   const double apart = std::max(least_width(tunnel) / 2, line.length() / kMostSteps);
@@ -395,8 +373,8 @@ bool check_passing(const Tunnel& tunnel, Place place, FindingLog& log) {
       passing_of(way, apart, tunnel.height.greatest(), 2 * greatest_width(tunnel), reach_between);
   if (!passing) return true;
   const double later = static_cast<double>(passing->later) * step;
-  log.error(
-      place, "passes-over",
+  centerline.error(
+      "passes-over",
       fmt::format("the drive passes {} itself: at chainage {:.1f} m it lies {:.1f} m {} where "
                   "it is at chainage {:.1f} m",
                   passing->above > 0 ? "over" : "under", later, std::abs(passing->above),
@@ -410,34 +388,32 @@ bool check_passing(const Tunnel& tunnel, Place place, FindingLog& log) {
 
 }  // namespace
 
-std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, FindingLog& log) {
-  const MapReader map(node, "tunnel",
-                      {"width", "height", "sections", "walls", "stand_off", "centerline"}, log);
+std::optional<Tunnel> read_tunnel(const YamlValue& value, const Grid& grid) {
+  const MapReader map(value, {"width", "height", "sections", "walls", "stand_off", "centerline"});
   const Room room = read_room(map);
-  const auto centerline = read_centerline(
-      map.need("centerline",
-               "centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 10.0 } ] }"),
-      grid, room, log);
+  const YamlValue line = map.need(
+      "centerline", "centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 10.0 } ] }");
+  const auto centerline = read_centerline(line, grid, room);
   if (!room.left || !room.right || !room.height || !centerline) return std::nullopt;
   const Tunnel tunnel{*centerline, *room.left, *room.right, *room.height, room.stand_off};
-  if (!check_passing(tunnel, map.find("centerline")->place, log)) return std::nullopt;
+  if (!check_passing(tunnel, line)) return std::nullopt;
   return tunnel;
 }
 
-Grid read_grid(const YamlNode* node, FindingLog& log) {
-  const MapReader map(node, "grid", {"x_axis", "crs"}, log);
+Grid read_grid(const YamlValue& value) {
+  const MapReader map(value, {"x_axis", "crs"});
   Grid grid{map.choice("x_axis", {"right", "left"}) == "left"};
-  const auto crs = read_text(map.find("crs"), map.name_of("crs"), log);
-  if (!crs) return grid;
-  const std::optional<int> epsg = parse_crs(*crs);
+  const YamlValue crs = map.at("crs");
+  const auto text = read_text(crs);
+  if (!text) return grid;
+  const std::optional<int> epsg = parse_crs(*text);
   if (!epsg) {
-    log.error(map.find("crs")->place, "bad-crs",
-              map.name_of("crs") + " is `" + *crs +
+    crs.error("bad-crs",
+              crs.name + " is `" + *text +
                   "`, expected a grid in metres by its number in the EPSG register",
               "for example crs: EPSG:25832, ETRS89 / UTM zone 32N");
   } else if (grid.x_axis_left) {
-    log.error(map.find("crs")->place, "bad-crs",
-              map.name_of("crs") + " is east and north, but grid.x_axis is left",
+    crs.error("bad-crs", crs.name + " is east and north, but grid.x_axis is left",
               "leave crs out, or give the grid with x to the east");
   }
   grid.epsg = epsg.value_or(0);

@@ -29,12 +29,14 @@ std::string describe(const YamlNode& node) {
   }
 }
 
-void wrong_type(const YamlNode& node, const std::string& name, const std::string& expected,
-                FindingLog& log, std::string hint = {}, std::string code = "wrong-type",
-                std::optional<TextEdit> fix = {}) {
-  if (node.kind == YamlNode::Kind::broken) return;
-  log.error(node.place, std::move(code), name + " is " + describe(node) + ", expected " + expected,
-            std::move(hint), std::move(fix));
+// Returns nothing, for readers to return.
+std::nullopt_t wrong_type(const YamlValue& value, const std::string& expected,
+                          std::string hint = {}, std::string code = "wrong-type",
+                          std::optional<TextEdit> fix = {}) {
+  if (value.node->kind == YamlNode::Kind::broken) return std::nullopt;
+  return value.error(std::move(code),
+                     value.name + " is " + describe(*value.node) + ", expected " + expected,
+                     std::move(hint), std::move(fix));
 }
 
 TextEdit rewritten(const YamlNode& scalar, std::string text) {
@@ -92,17 +94,8 @@ NumberFault number_fault(const YamlNode& node, const std::string& unit) {
 }
 
 std::string words_of(const NumberRange& range) {
-  const std::string unit = range.unit.empty() ? "" : " " + range.unit;
-  const bool bounded_below = std::isfinite(range.low);
-  const bool bounded_above = std::isfinite(range.high);
-  std::string words;
-  if (bounded_below) {
-    words = (range.low_excluded ? "more than " : "at least ") + format_number(range.low);
-  }
-  if (bounded_above) {
-    words += (bounded_below ? " and at most " : "at most ") + format_number(range.high);
-  }
-  return words.empty() ? "a number" : words + unit;
+  return (range.low_excluded ? "more than " : "at least ") + format_number(range.low) +
+         " and at most " + format_number(range.high) + (range.unit.empty() ? "" : " ") + range.unit;
 }
 
 bool contains(const NumberRange& range, double value) {
@@ -126,145 +119,129 @@ std::string either_of(const std::vector<std::string>& words) {
   return text;
 }
 
-std::optional<double> read_number(const YamlNode* node, const std::string& name,
-                                  const NumberRange& range, FindingLog& log) {
-  if (node == nullptr) return std::nullopt;
-  if (node->kind != YamlNode::Kind::scalar) {
-    wrong_type(*node, name, "a number", log);
-    return std::nullopt;
-  }
-  const std::optional<double> value = node->quoted ? std::nullopt : parse_number(node->text);
-  if (!value) {
-    const NumberFault fault = number_fault(*node, range.unit);
-    wrong_type(*node, name, "a finite number", log, fault.hint, fault.code, fault.fix);
-    return std::nullopt;
-  }
-  if (looks_octal(node->text)) {
-    wrong_type(*node, name, "a number without leading zeros", log,
-               "write " + format_number(*value) + ": some programs read leading zeros as octal",
-               "leading-zero", rewritten(*node, format_number(*value)));
-    return std::nullopt;
-  }
-  if (!contains(range, *value)) {
-    const double from_mm = *value / 1000;
-    const bool may_be_mm = range.unit == "m" && contains(range, from_mm);
-    log.error(
-        node->place, "out-of-range", name + " is " + node->text + ", expected " + words_of(range),
-        may_be_mm
-            ? "metres are meant: write " + format_number(from_mm) + " for " + node->text + " mm"
-            : "");
-    return std::nullopt;
-  }
-  return value;
+YamlValue YamlValue::item(std::size_t index) const {
+  return {&node->items[index], name + "[" + std::to_string(index) + "]", log};
 }
 
-std::optional<int> read_integer(const YamlNode* node, const std::string& name, int low, int high,
-                                FindingLog& log) {
-  const std::optional<double> value = read_number(node, name, between(low, high, ""), log);
+std::nullopt_t YamlValue::error(std::string code, std::string message, std::string hint,
+                                std::optional<TextEdit> fix) const {
+  return log->error(place(), std::move(code), std::move(message), std::move(hint), std::move(fix));
+}
+
+void YamlValue::warning(std::string code, std::string message, std::string hint) const {
+  log->warning(place(), std::move(code), std::move(message), std::move(hint));
+}
+
+std::optional<double> read_number(const YamlValue& value, const NumberRange& range) {
   if (!value) return std::nullopt;
-  if (*value != std::floor(*value)) {
-    wrong_type(*node, name, "a whole number", log);
-    return std::nullopt;
+  if (!value.is(YamlNode::Kind::scalar)) return wrong_type(value, "a number");
+  const YamlNode& node = *value.node;
+  const std::optional<double> number = node.quoted ? std::nullopt : parse_number(node.text);
+  if (!number) {
+    const NumberFault fault = number_fault(node, range.unit);
+    return wrong_type(value, "a finite number", fault.hint, fault.code, fault.fix);
   }
-  return static_cast<int>(*value);
+  if (looks_octal(node.text)) {
+    return wrong_type(
+        value, "a number without leading zeros",
+        "write " + format_number(*number) + ": some programs read leading zeros as octal",
+        "leading-zero", rewritten(node, format_number(*number)));
+  }
+  if (contains(range, *number)) return number;
+  const double from_mm = *number / 1000;
+  const bool may_be_mm = range.unit == "m" && contains(range, from_mm);
+  return value.error(
+      "out-of-range", value.name + " is " + node.text + ", expected " + words_of(range),
+      may_be_mm ? "metres are meant: write " + format_number(from_mm) + " for " + node.text + " mm"
+                : "");
 }
 
-std::optional<bool> read_bool(const YamlNode* node, const std::string& name, FindingLog& log) {
-  if (node == nullptr) return std::nullopt;
-  if (node->kind == YamlNode::Kind::scalar && !node->quoted) {
-    if (node->text == "true") return true;
-    if (node->text == "false") return false;
-  }
-  wrong_type(*node, name, "true or false", log);
-  return std::nullopt;
+std::optional<int> read_integer(const YamlValue& value, int low, int high) {
+  const std::optional<double> number = read_number(value, between(low, high, ""));
+  if (!number) return std::nullopt;
+  if (*number != std::floor(*number)) return wrong_type(value, "a whole number");
+  return static_cast<int>(*number);
 }
 
-std::optional<std::string> read_text(const YamlNode* node, const std::string& name,
-                                     FindingLog& log) {
-  if (node == nullptr) return std::nullopt;
-  if (node->kind != YamlNode::Kind::scalar) {
-    wrong_type(*node, name, "text", log);
-    return std::nullopt;
+std::optional<bool> read_bool(const YamlValue& value) {
+  if (!value) return std::nullopt;
+  if (value.is(YamlNode::Kind::scalar) && !value.node->quoted) {
+    if (value.node->text == "true") return true;
+    if (value.node->text == "false") return false;
   }
-  const std::string word = lower_case(node->text);
+  return wrong_type(value, "true or false");
+}
+
+std::optional<std::string> read_text(const YamlValue& value) {
+  if (!value) return std::nullopt;
+  if (!value.is(YamlNode::Kind::scalar)) return wrong_type(value, "text");
+  const YamlNode& node = *value.node;
+  const std::string word = lower_case(node.text);
   const bool other_type = parse_number(word) || looks_infinite(word) || word == "true" ||
                           word == "false" || word == "null" || word == "~";
-  if (!node->quoted && other_type) {
-    wrong_type(*node, name, "text", log, "put it in quotes: \"" + node->text + "\"", "wrong-type",
-               rewritten(*node, "\"" + node->text + "\""));
-    return std::nullopt;
+  if (!node.quoted && other_type) {
+    const std::string quoted = "\"" + node.text + "\"";
+    return wrong_type(value, "text", "put it in quotes: " + quoted, "wrong-type",
+                      rewritten(node, quoted));
   }
-  if (trim(node->text).empty() || node->text.size() > kLongestText || !is_plain_text(node->text)) {
-    log.error(node->place, "bad-text",
-              name + " is " + describe(*node) + ", expected 1 to " + std::to_string(kLongestText) +
-                  " bytes of text on one line");
-    return std::nullopt;
+  if (trim(node.text).empty() || node.text.size() > kLongestText || !is_plain_text(node.text)) {
+    return value.error("bad-text", value.name + " is " + describe(node) + ", expected 1 to " +
+                                       std::to_string(kLongestText) + " bytes of text on one line");
   }
-  return node->text;
+  return node.text;
 }
 
-std::optional<std::string> read_name(const YamlNode* node, const std::string& name,
-                                     FindingLog& log) {
-  std::optional<std::string> text = read_text(node, name, log);
+std::optional<std::string> read_name(const YamlValue& value) {
+  std::optional<std::string> text = read_text(value);
   if (!text || is_plain_name(*text)) return text;
-  log.error(node->place, "bad-name",
-            name + " is " + describe(*node) +
-                ", expected a name that begins with a letter or digit and has no / \\ , : or \"");
-  return std::nullopt;
+  return value.error(
+      "bad-name",
+      value.name + " is " + describe(*value.node) +
+          ", expected a name that begins with a letter or digit and has no / \\ , : or \"");
 }
 
-std::optional<std::string> read_choice(const YamlNode* node, const std::string& name,
-                                       const std::vector<std::string>& words, FindingLog& log) {
-  if (node == nullptr) return std::nullopt;
-  if (node->kind == YamlNode::Kind::scalar && std::ranges::count(words, node->text) > 0) {
-    return node->text;
-  }
-  const auto near =
-      node->kind == YamlNode::Kind::scalar ? nearest_word(node->text, words) : std::nullopt;
-  wrong_type(*node, name, either_of(words), log, near ? "did you mean `" + *near + "`?" : "",
-             "bad-choice", near ? std::optional(rewritten(*node, *near)) : std::nullopt);
-  return std::nullopt;
+std::optional<std::string> read_choice(const YamlValue& value,
+                                       const std::vector<std::string>& words) {
+  if (!value) return std::nullopt;
+  const bool is_word = value.is(YamlNode::Kind::scalar);
+  const std::string& word = value.node->text;
+  if (is_word && std::ranges::count(words, word) > 0) return word;
+  const auto near = is_word ? nearest_word(word, words) : std::nullopt;
+  return wrong_type(value, either_of(words), near ? "did you mean `" + *near + "`?" : "",
+                    "bad-choice",
+                    near ? std::optional(rewritten(*value.node, *near)) : std::nullopt);
 }
 
-std::optional<std::vector<double>> read_numbers(const YamlNode* node, const std::string& name,
-                                                std::size_t count, const NumberRange& range,
-                                                FindingLog& log) {
-  if (node == nullptr) return std::nullopt;
+std::optional<std::vector<double>> read_numbers(const YamlValue& value, std::size_t count,
+                                                const NumberRange& range) {
+  if (!value) return std::nullopt;
   const std::string expected = "a list of " + std::to_string(count) + " numbers";
-  if (node->kind != YamlNode::Kind::sequence) {
-    wrong_type(*node, name, expected, log);
-    return std::nullopt;
+  if (!value.is(YamlNode::Kind::sequence)) return wrong_type(value, expected);
+  const std::size_t size = value.node->items.size();
+  if (size != count) {
+    return wrong_type(value, expected,
+                      size > count ? "decimal signs are points; commas separate numbers" : "",
+                      "wrong-length");
   }
-  if (node->items.size() != count) {
-    wrong_type(
-        *node, name, expected, log,
-        node->items.size() > count ? "decimal signs are points; commas separate numbers" : "",
-        "wrong-length");
-    return std::nullopt;
-  }
-  std::vector<double> values;
+  std::vector<double> numbers;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto value =
-        read_number(&node->items[i], name + "[" + std::to_string(i) + "]", range, log);
-    if (value) values.push_back(*value);
+    if (const auto number = read_number(value.item(i), range)) numbers.push_back(*number);
   }
-  if (values.size() != count) return std::nullopt;
-  return values;
+  return numbers.size() == count ? std::optional(numbers) : std::nullopt;
 }
 
-std::optional<Eigen::Vector3d> read_point(const YamlNode* node, const std::string& name,
-                                          double farthest, FindingLog& log) {
-  const auto p = read_numbers(node, name, 3, between(-farthest, farthest, "m"), log);
+std::optional<Eigen::Vector3d> read_point(const YamlValue& value, double farthest) {
+  const auto p = read_numbers(value, 3, between(-farthest, farthest, "m"));
   if (!p) return std::nullopt;
   return Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]);
 }
 
-const std::vector<YamlNode>* read_list(const YamlNode* node, const std::string& name,
-                                       FindingLog& log) {
-  if (node == nullptr) return nullptr;
-  if (node->kind == YamlNode::Kind::sequence) return &node->items;
-  wrong_type(*node, name, "a list", log);
-  return nullptr;
+std::optional<std::vector<YamlValue>> read_list(const YamlValue& value) {
+  if (!value) return std::nullopt;
+  if (!value.is(YamlNode::Kind::sequence)) return wrong_type(value, "a list");
+  std::vector<YamlValue> items;
+  for (std::size_t i = 0; i < value.node->items.size(); ++i) items.push_back(value.item(i));
+  return items;
 }
 
 namespace {
@@ -297,64 +274,62 @@ void log_decimal_comma(const YamlNode& map, std::size_t key, FindingLog& log) {
 
 }  // namespace
 
-MapReader::MapReader(const YamlNode* node, std::string name, std::vector<std::string> known_keys,
-                     FindingLog& log)
-    : name_(std::move(name)), log_(&log) {
-  if (node == nullptr) return;
-  if (node->kind != YamlNode::Kind::map) {
-    wrong_type(*node, name_.empty() ? "the file" : name_,
-               "a map with the keys " + either_of(known_keys), log);
+MapReader::MapReader(YamlValue value, const std::vector<std::string>& known_keys)
+    : value_(std::move(value)) {
+  if (!value_) return;
+  const std::string& name = value_.name;
+  if (!value_.is(YamlNode::Kind::map)) {
+    wrong_type({value_.node, name.empty() ? "the file" : name, value_.log},
+               "a map with the keys " + either_of(known_keys));
+    value_.node = nullptr;
     return;
   }
-  node_ = node;
+  const YamlNode& node = *value_.node;
   std::set<std::string_view> seen;
   // The right name, unless the map has it already.
   const auto rename_to = [&](const YamlKey& key, const std::optional<std::string>& right) {
-    const bool usable = right && std::ranges::count(node->keys, *right, &YamlKey::text) == 0;
+    const bool usable = right && !index_of_key(node, *right);
     return usable ? std::optional(TextEdit{key.text, *right}) : std::nullopt;
   };
-  for (std::size_t i = 0; i < node->keys.size(); ++i) {
-    const YamlKey& key = node->keys[i];
+  for (std::size_t i = 0; i < node.keys.size(); ++i) {
+    const YamlKey& key = node.keys[i];
     if (key.text == "<<") {
-      log.error(key.place, "merge-key", "the merge key <<, expected the keys themselves",
-                "write the keys out; merge keys are not supported");
-    } else if (follows_decimal_comma(*node, i)) {
-      log_decimal_comma(*node, i, log);
+      log().error(key.place, "merge-key", "the merge key <<, expected the keys themselves",
+                  "write the keys out; merge keys are not supported");
+    } else if (follows_decimal_comma(node, i)) {
+      log_decimal_comma(node, i, log());
     } else if (std::ranges::count(known_keys, key.text) == 0) {
       const auto near = nearest_word(key.text, known_keys);
-      log.error(key.place, "unknown-key",
-                "unknown key `" + key.text.substr(0, 60) + "`" +
-                    (name_.empty() ? "" : " in " + name_) + ", expected " + either_of(known_keys),
-                near ? "did you mean `" + *near + "`?" : "remove it", rename_to(key, near));
+      log().error(key.place, "unknown-key",
+                  "unknown key `" + key.text.substr(0, 60) + "`" +
+                      (name.empty() ? "" : " in " + name) + ", expected " + either_of(known_keys),
+                  near ? "did you mean `" + *near + "`?" : "remove it", rename_to(key, near));
     } else if (!seen.insert(key.text).second) {
-      log.error(key.place, "duplicate-key", "the key `" + name_of(key.text) + "` a second time",
-                "remove one of the two");
+      log().error(key.place, "duplicate-key", "the key `" + at(key.text).name + "` a second time",
+                  "remove one of the two");
     }
   }
 }
 
-const YamlNode* MapReader::find(std::string_view key) const {
-  return node_ != nullptr ? value_at(*node_, key) : nullptr;
+YamlValue MapReader::at(std::string_view key) const {
+  const std::string prefix = value_.name.empty() ? "" : value_.name + ".";
+  return {value_ ? value_at(*value_.node, key) : nullptr, prefix + std::string(key), value_.log};
 }
 
-const YamlNode* MapReader::need(std::string_view key, const std::string& hint) const {
-  const YamlNode* value = find(key);
-  if (value == nullptr && node_ != nullptr) {
-    log_->error(
-        node_->place, "missing-key",
-        "the key `" + std::string(key) + "` is missing" + (name_.empty() ? "" : " in " + name_),
-        hint);
+YamlValue MapReader::need(std::string_view key, const std::string& hint) const {
+  YamlValue value = at(key);
+  if (!value && value_) {
+    value_.error("missing-key",
+                 "the key `" + std::string(key) + "` is missing" +
+                     (value_.name.empty() ? "" : " in " + value_.name),
+                 hint);
   }
   return value;
 }
 
-std::string MapReader::name_of(std::string_view key) const {
-  return name_.empty() ? std::string(key) : name_ + "." + std::string(key);
-}
-
 std::optional<double> MapReader::number(std::string_view key, const NumberRange& range,
                                         const std::string& hint) const {
-  return read_number(need(key, hint), name_of(key), range, *log_);
+  return read_number(need(key, hint), range);
 }
 
 double MapReader::number_or(std::string_view key, double fallback, const NumberRange& range) const {
@@ -363,22 +338,23 @@ double MapReader::number_or(std::string_view key, double fallback, const NumberR
 
 std::optional<double> MapReader::number_if_there(std::string_view key,
                                                  const NumberRange& range) const {
-  return read_number(find(key), name_of(key), range, *log_);
+  return read_number(at(key), range);
 }
 
 std::optional<std::string> MapReader::choice(std::string_view key,
                                              const std::vector<std::string>& words,
                                              const std::string& hint) const {
-  return read_choice(hint.empty() ? find(key) : need(key, hint), name_of(key), words, *log_);
+  return read_choice(hint.empty() ? at(key) : need(key, hint), words);
 }
 
 void MapReader::exclude_each_other(const std::vector<std::string>& keys) const {
   std::vector<std::string> found;
   std::ranges::copy_if(keys, std::back_inserter(found), [&](const auto& key) { return has(key); });
   if (found.size() < 2) return;
-  log_->error(find(found[1])->place, "conflicting-keys",
-              "`" + name_of(found[0]) + "` and `" + found[1] + "` together, expected one of them",
-              "remove one of the two");
+  at(found[1]).error(
+      "conflicting-keys",
+      "`" + at(found[0]).name + "` and `" + found[1] + "` together, expected one of them",
+      "remove one of the two");
 }
 
 }  // namespace tagsmith::detail
