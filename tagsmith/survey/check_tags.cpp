@@ -6,7 +6,6 @@
 #include <iterator>
 #include <map>
 #include <set>
-#include <type_traits>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -19,7 +18,6 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kAxisNames[] = {"x", "y", "z"};
 constexpr double kTouching = 1e-3;  // metres that plates may share with each other or the rock
 
 // How the code could represent the positions of all tags on this axis.
@@ -55,32 +53,25 @@ int faulty_axis(const PositionCode& code, const PlacedTag& tag) {
 // one finding with their number is clearer than a thousand.
 class SeriesFindings {
  public:
-  void add(const std::string& kind, const PlacedTag& tag, std::string message) {
+  // Those of one kind at one place are combined.
+  void add(const char* kind, Place place, const PlacedTag& tag, std::string message) {
     Group& group = groups_[kind];
     if (group.count++ == 0) group.message = std::move(message);
+    group.place = place;
     group.last = tag.name;
   }
 
-  void log_all(Place place, const std::string& code, const std::string& hint, FindingLog& log,
-               Severity severity = Severity::error) const {
-    log_all([&](const std::string&) { return place; }, code, hint, log, severity);
-  }
-
-  // `place_of`: the place for a kind.
-  template <class PlaceOf>
-  requires std::is_invocable_r_v<Place, PlaceOf, const std::string&>
-  void log_all(PlaceOf place_of, const std::string& code, const std::string& hint, FindingLog& log,
+  void log_all(const std::string& code, const std::string& hint, FindingLog& log,
                Severity severity = Severity::error) const {
     for (const auto& [kind, group] : groups_) {
-      const Place place = place_of(kind);
       std::string message = group.message;
       if (group.count > 1) {
         message += "; " + std::to_string(group.count) + " tags in all, the last is " + group.last;
       }
       if (severity == Severity::error) {
-        log.error(place, code, message, hint);
+        log.error(group.place, code, message, hint);
       } else {
-        log.warning(place, code, message, hint);
+        log.warning(group.place, code, message, hint);
       }
     }
   }
@@ -88,6 +79,7 @@ class SeriesFindings {
  private:
   struct Group {
     int count = 0;
+    Place place;
     std::string message;  // about the first tag
     std::string last;
   };
@@ -140,32 +132,35 @@ PlateExtent plate_extent(const Tunnel& tunnel, const Rectangle& plate, const Pla
 
 struct WallFault {
   const char* kind = nullptr;
+  Place place;  // of the key to change, for regular tags
   std::string message;
 };
 
 // By how much the plate extends beyond the tunnel; an empty list when it does not.
 std::vector<WallFault> room_faults(const Survey& survey, const PlacedTag& tag,
-                                   const PlateExtent& extent) {
+                                   const PlateExtent& extent, const SeriesPlaces& series) {
   std::vector<WallFault> faults;
   const std::string plate = "the plate of tag " + tag.name;
   const double length = survey.tunnel.centerline.length();
   if (extent.middle < -kTouching) {
-    faults.push_back({"before", plate + " has its middle at chainage " +
-                                    length_text(extent.middle) +
-                                    ", before the tunnel's start at 0 m"});
+    faults.push_back({"before", series.first,
+                      plate + " has its middle at chainage " + length_text(extent.middle) +
+                          ", before the tunnel's start at 0 m"});
   }
   if (extent.middle > length + kTouching) {
-    faults.push_back({"beyond", plate + " has its middle at chainage " +
-                                    length_text(extent.middle) + ", beyond the tunnel's end at " +
-                                    length_text(length)});
+    faults.push_back({"beyond", series.count,
+                      plate + " has its middle at chainage " + length_text(extent.middle) +
+                          ", beyond the tunnel's end at " + length_text(length)});
   }
   if (extent.bottom < extent.floor - kTouching) {
-    faults.push_back({"floor", plate + " reaches down to z = " + length_text(extent.bottom) +
-                                   ", the floor is at " + length_text(extent.floor)});
+    faults.push_back({"floor", series.height,
+                      plate + " reaches down to z = " + length_text(extent.bottom) +
+                          ", the floor is at " + length_text(extent.floor)});
   }
   if (extent.top > extent.roof + kTouching) {
-    faults.push_back({"roof", plate + " reaches up to z = " + length_text(extent.top) +
-                                  ", the roof is at " + length_text(extent.roof)});
+    faults.push_back({"roof", series.height,
+                      plate + " reaches up to z = " + length_text(extent.top) +
+                          ", the roof is at " + length_text(extent.roof)});
   }
   return faults;
 }
@@ -262,14 +257,14 @@ struct WallPlate {
   const SourcedTag* source = nullptr;
 };
 
-void log_overlap(const SourcedTag& a, const SourcedTag& b, SeriesFindings& series,
+void log_overlap(const SourcedTag& a, const SourcedTag& b, Place spacing, SeriesFindings& series,
                  FindingLog& log) {
   const SourcedTag& later = b.tag.surveyed ? b : a;
   const SourcedTag& other = &later == &a ? b : a;
   const std::string message = "the plates of tags " + later.tag.name + " and " + other.tag.name +
                               " overlap on the " + to_string(later.tag.side) + " wall";
   if (!later.tag.surveyed) {
-    series.add(to_string(later.tag.side), later.tag, message);
+    series.add(later.tag.side == Side::left ? "left" : "right", spacing, later.tag, message);
   } else {
     log.error(later.place, "overlap", message, "check both positions");
   }
@@ -277,7 +272,8 @@ void log_overlap(const SourcedTag& a, const SourcedTag& b, SeriesFindings& serie
 
 // Sweeps along the wall. Of the plates that the sweep line crosses, those kept share no height, so
 // that a new one must be compared with its neighbours in height only.
-void check_overlaps(std::vector<WallPlate> plates, SeriesFindings& series, FindingLog& log) {
+void check_overlaps(std::vector<WallPlate> plates, Place spacing, SeriesFindings& series,
+                    FindingLog& log) {
   std::ranges::sort(plates, {}, [](const WallPlate& plate) { return plate.extent.start; });
   std::map<double, const WallPlate*> open_by_bottom;
   std::set<std::pair<double, double>> open_by_end;  // (end, bottom)
@@ -296,7 +292,7 @@ void check_overlaps(std::vector<WallPlate> plates, SeriesFindings& series, Findi
       other = std::prev(above)->second;
     }
     if (other != nullptr) {
-      log_overlap(*other->source, *plate.source, series, log);
+      log_overlap(*other->source, *plate.source, spacing, series, log);
     } else if (open_by_bottom.emplace(extent.bottom, &plate).second) {
       open_by_end.emplace(extent.end, extent.bottom);
     }
@@ -322,11 +318,11 @@ void check_code_range(const Survey& survey, const std::vector<SourcedTag>& tags,
     if (entry.tag.surveyed) {
       log.error(entry.place, "code-range", message, remedy);
     } else {
-      series[static_cast<std::size_t>(axis)].add("", entry.tag, message);
+      series[static_cast<std::size_t>(axis)].add("", code_place, entry.tag, message);
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    series[axis].log_all(code_place, "code-range", remedies[axis], log);
+    series[axis].log_all("code-range", remedies[axis], log);
   }
 }
 
@@ -344,7 +340,7 @@ void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Plac
       const std::string message = "tags " + first->second->tag.name + " and " + entry.tag.name +
                                   " have the same code " + to_string(entry.tag.digits);
       if (!entry.tag.surveyed) {
-        series.add("", entry.tag, message);
+        series.add("", code_place, entry.tag, message);
       } else {
         log.error(entry.place, "code-collision", message, "check p and digits of both");
       }
@@ -355,7 +351,7 @@ void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Plac
     greatest = rounding;
     worst = &entry;
   }
-  series.log_all(code_place, "code-collision", "a finer code.resolution tells them apart", log);
+  series.log_all("code-collision", "a finer code.resolution tells them apart", log);
   constexpr double kRounding = 1e-6;
   if (greatest > std::max(kBearable, 2 * survey.sigma) + kRounding) {
     log.warning(code_place, "coarse-code",
@@ -374,14 +370,13 @@ void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags,
   SeriesFindings sticking_out;
   SeriesFindings over_steps;
   std::array<std::vector<WallPlate>, 2> walls;
-  Place series_place;
   for (const SourcedTag& entry : tags) {
     const PlateExtent extent = plate_extent(survey.tunnel, plate, entry.tag);
-    for (WallFault& fault : room_faults(survey, entry.tag, extent)) {
+    for (WallFault& fault : room_faults(survey, entry.tag, extent, series)) {
       if (entry.tag.surveyed) {
         log.error(entry.place, "outside-tunnel", fault.message, "check p, tunnel and the template");
       } else {
-        sticking_out.add(fault.kind, entry.tag, std::move(fault.message));
+        sticking_out.add(fault.kind, fault.place, entry.tag, std::move(fault.message));
       }
     }
     std::string step = step_behind(survey.tunnel, entry.tag, extent);
@@ -395,22 +390,18 @@ void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags,
       check_tilt(survey, entry, log);
       if (!step.empty() && !stands_free) log.warning(entry.place, "wall-step", step, kStepHint);
     } else {
-      series_place = entry.place;
-      if (!step.empty()) over_steps.add("", entry.tag, std::move(step));
+      if (!step.empty()) over_steps.add("", entry.place, entry.tag, std::move(step));
     }
     if (!stands_free) walls[entry.tag.side == Side::left ? 0 : 1].push_back({extent, &entry});
   }
-  const auto known = [&](Place place) { return place.line > 0 ? place : series_place; };
-  const auto place_of = [&](const std::string& kind) {
-    if (kind == "before") return known(series.first);
-    return known(kind == "beyond" ? series.count : series.height);
-  };
-  sticking_out.log_all(place_of, "outside-tunnel",
+  sticking_out.log_all("outside-tunnel",
                        "fewer pairs, another first or height, or a longer or higher tunnel", log);
-  over_steps.log_all(series_place, "wall-step", kStepHint, log, Severity::warning);
+  over_steps.log_all("wall-step", kStepHint, log, Severity::warning);
   SeriesFindings overlaps;
-  for (std::vector<WallPlate>& wall : walls) check_overlaps(std::move(wall), overlaps, log);
-  overlaps.log_all(known(series.spacing), "overlap", "a wider spacing", log);
+  for (std::vector<WallPlate>& wall : walls) {
+    check_overlaps(std::move(wall), series.spacing, overlaps, log);
+  }
+  overlaps.log_all("overlap", "a wider spacing", log);
 }
 
 }  // namespace tagsmith::detail

@@ -19,6 +19,9 @@ struct SourcedTag {
   bool coded = false;           // false: the code cannot represent its position, `digits` are void
 };
 
+// Of coordinates.
+inline constexpr const char* kAxisNames[] = {"x", "y", "z"};
+
 // How far off its wall a plate may be, metres; walls are rough, those of a survey are smooth.
 inline constexpr double kOffWall = 0.1;
 
@@ -34,7 +37,8 @@ void check_code_range(const Survey& survey, const std::vector<SourcedTag>& tags,
 void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
                  FindingLog& log);
 
-// The keys that say where regular tags hang, where the survey file has them; others have line 0.
+// The keys that say where regular tags hang; of those that the survey file does not have, the place
+// of its section `tags`.
 struct SeriesPlaces {
   Place height;
   Place spacing;
@@ -43,8 +47,7 @@ struct SeriesPlaces {
 };
 
 // Plates that extend beyond the tunnel, hang off their wall, or overlap on one wall. Takes O(n log
-// n) time for n tags. Findings about regular tags are placed at the key to change, if the file has
-// it.
+// n) time for n tags. Findings about regular tags are placed at the key to change.
 void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags,
                  const SeriesPlaces& series, FindingLog& log);
 

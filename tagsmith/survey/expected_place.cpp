@@ -92,13 +92,12 @@ struct Slip {
 std::string coordinate(double value) { return fmt::format("{}", value); }
 
 std::vector<Slip> slips_of_axis(const Eigen::Vector3d& p, int axis) {
-  constexpr std::array kNames{"x", "y", "z"};
   std::vector<Slip> slips;
   const std::string text = coordinate(p[axis]);
   const auto add = [&](double value, const char* why) {
     if (value == p[axis]) return;
-    Slip slip{p, fmt::format("{} = {} instead of {} would fit: {}",
-                             kNames[static_cast<std::size_t>(axis)], coordinate(value), text, why)};
+    Slip slip{p, fmt::format("{} = {} instead of {} would fit: {}", kAxisNames[axis],
+                             coordinate(value), text, why)};
     slip.p_in_grid[axis] = value;
     slips.push_back(std::move(slip));
   };

@@ -241,13 +241,11 @@ void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place
   }
   for (int axis = 0; axis < 3; ++axis) {
     constexpr double kNearEnd = 0.05;  // of the range
-    constexpr std::array kNames{"x", "y", "z"};
     const auto [low, high] = coded_range(survey.code, axis);
     if (!(highest[axis] > lowest[axis]) || highest[axis] < high - kNearEnd * (high - low)) continue;
     log.warning(code_place, "code-range-end",
-                fmt::format("{} of the tags reaches {}, the code ends at {}",
-                            kNames[static_cast<std::size_t>(axis)], length_text(highest[axis]),
-                            length_text(high)),
+                fmt::format("{} of the tags reaches {}, the code ends at {}", kAxisNames[axis],
+                            length_text(highest[axis]), length_text(high)),
                 "the next section will not fit: more digits for this axis (code.digits), or "
                 "another code.origin for the next section");
   }
