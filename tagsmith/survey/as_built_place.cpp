@@ -12,29 +12,26 @@
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
-namespace {
 
-// A value that rounds to zero is written without its sign.
-std::string rounded(double value, int decimals) {
+std::string rounded_text(double value, int decimals) {
   const double unit = std::pow(10.0, decimals);
   return fmt::format("{:.{}f}", std::round(value * unit) / unit + 0.0, decimals);
 }
 
-}  // namespace
-
 std::string point_text(const Eigen::Vector3d& p) {
-  return fmt::format("[{}, {}, {}]", rounded(p.x(), 4), rounded(p.y(), 4), rounded(p.z(), 4));
+  return fmt::format("[{}, {}, {}]", rounded_text(p.x(), 4), rounded_text(p.y(), 4),
+                     rounded_text(p.z(), 4));
 }
 
 PlacedKeys measured_keys(const AsBuiltPlace& place) {
   constexpr double kLeastSigma = 1e-4;  // metres: the last digit that is written of a coordinate
   PlacedKeys values{{"p", point_text(place.p_in_grid)},
-                    {"sigma", rounded(std::max(place.sigma, kLeastSigma), 4)}};
+                    {"sigma", rounded_text(std::max(place.sigma, kLeastSigma), 4)}};
   if (!place.date.empty()) values.emplace_back("date", place.date);
   const PlacedKeys attitude{
-      {"facing", rounded(std::fmod(degrees(place.attitude.facing.value_or(0)) + 360, 360), 3)},
-      {"tilt", rounded(degrees(place.attitude.tilt), 3)},
-      {"roll", rounded(degrees(place.attitude.roll), 3)}};
+      {"facing", rounded_text(std::fmod(degrees(place.attitude.facing.value_or(0)) + 360, 360), 3)},
+      {"tilt", rounded_text(degrees(place.attitude.tilt), 3)},
+      {"roll", rounded_text(degrees(place.attitude.roll), 3)}};
   values.insert(values.end(), attitude.begin(), attitude.end());
   return values;
 }

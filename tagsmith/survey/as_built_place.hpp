@@ -24,6 +24,9 @@ struct AsBuiltPlace {
 // Keys of an entry of `placed` and their values, as YAML.
 using PlacedKeys = std::vector<std::pair<std::string, std::string>>;
 
+// In fixed notation; a value that rounds to zero is written without its sign.
+std::string rounded_text(double value, int decimals);
+
 // A point, to a tenth of a millimetre.
 std::string point_text(const Eigen::Vector3d& p);
 

@@ -2,10 +2,8 @@
 #include "tagsmith/survey/edit_placed.hpp"
 
 #include <map>
-#include <optional>
 
 #include "tagsmith/survey/edit_yaml.hpp"
-#include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
 namespace tagsmith::detail {
@@ -36,9 +34,8 @@ std::map<std::string, std::size_t> entries_of(const YamlNode* placed) {
 
 Result<std::string> survey_with_places(std::string_view text, const Survey& survey,
                                        const std::vector<AsBuiltPlace>& places) {
-  FindingLog log("the survey");
-  const std::optional<YamlNode> root = parse_yaml(text, log);
-  if (!root) return fail(to_string(log.sorted(), true));
+  const Result<YamlNode> root = parse_yaml_to_edit(text, "the survey");
+  if (!root) return fail(root);
   const YamlNode* placed = value_at(*root, "placed");
   const std::map<std::string, std::size_t> entries = entries_of(placed);
   std::vector<YamlItemEdit> edits;

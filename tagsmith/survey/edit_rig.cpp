@@ -2,7 +2,6 @@
 #include "tagsmith/survey/edit_rig.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -10,8 +9,8 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/as_built_place.hpp"
 #include "tagsmith/survey/edit_yaml.hpp"
-#include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/read_intrinsics.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
@@ -21,9 +20,8 @@ namespace {
 
 // The camera's map in the rig file's text.
 Result<YamlNode> camera_map(std::string_view rig_text, const std::string& camera) {
-  FindingLog log("the rig");
-  const std::optional<YamlNode> root = parse_yaml(rig_text, log);
-  if (!root) return fail(to_string(log.sorted(), true));
+  const Result<YamlNode> root = parse_yaml_to_edit(rig_text, "the rig");
+  if (!root) return fail(root);
   const YamlNode* cameras = value_at(*root, "cameras");
   if (cameras == nullptr || cameras->kind != YamlNode::Kind::map) {
     return fail("the rig has no cameras");
@@ -40,12 +38,6 @@ std::vector<std::string> replaced_keys() {
   std::vector<std::string> keys = intrinsics_keys();
   std::erase(keys, "image_size");
   return keys;
-}
-
-// A value that rounds to zero is written without its sign.
-std::string decimal_text(double value, int decimals) {
-  const double half = 0.5 * std::pow(10.0, -decimals);
-  return fmt::format("{:.{}f}", std::abs(value) < half ? 0.0 : value, decimals);
 }
 
 // A part of a camera's `sigma`.
@@ -131,14 +123,12 @@ Result<std::string> rig_with_mounting(std::string_view rig_text, const std::stri
   const Eigen::Vector3d& at = mounting.position;
   constexpr double kRounding = 5e-5;  // metres
   if (at.cwiseAbs().maxCoeff() >= kRounding) {
-    edits.push_back({path, "position",
-                     fmt::format("[{}, {}, {}]", decimal_text(at.x(), 4), decimal_text(at.y(), 4),
-                                 decimal_text(at.z(), 4)),
-                     ""});
+    edits.push_back({path, "position", point_text(at), ""});
   }
-  edits.push_back({path, "roll", decimal_text(degrees(mounting.angles.roll), 3), ""});
-  edits.push_back({path, "pitch", decimal_text(degrees(mounting.angles.pitch), 3), ""});
-  edits.push_back({path, "yaw", decimal_text(degrees(mounting.angles.yaw), 3), ""});
+  const auto& [yaw, pitch, roll] = mounting.angles;
+  edits.push_back({path, "roll", rounded_text(degrees(roll), 3), ""});
+  edits.push_back({path, "pitch", rounded_text(degrees(pitch), 3), ""});
+  edits.push_back({path, "yaw", rounded_text(degrees(yaw), 3), ""});
   Result<std::string> with_angles = edit_yaml(*without, edits);
   if (!with_angles) return with_angles;
   std::vector<SigmaPart> sigmas;

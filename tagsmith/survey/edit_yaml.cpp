@@ -54,16 +54,19 @@ Result<Replacement> scalar_replaced(std::string_view text, const YamlNode& node,
   return Replacement{*offset, node.text.size(), edit.value};
 }
 
+// The map that the path leads to; null when it is missing.
+const YamlNode* map_at(const YamlNode& root, const std::vector<std::string>& path) {
+  const YamlNode* map = &root;
+  for (const std::string& step : path) {
+    if (map != nullptr) map = value_at(*map, step);
+  }
+  return map != nullptr && map->kind == YamlNode::Kind::map ? map : nullptr;
+}
+
 Result<std::vector<Replacement>> replacements(std::string_view text, const YamlNode& root,
                                               const YamlEdit& edit) {
-  const YamlNode* map = &root;
-  for (const std::string& step : edit.path) {
-    map = value_at(*map, step);
-    if (map == nullptr) return fail("the map `" + step + "` is missing");
-  }
-  if (map->kind != YamlNode::Kind::map || map->keys.empty()) {
-    return fail("no map to put `" + edit.key + "` in");
-  }
+  const YamlNode* map = map_at(root, edit.path);
+  if (map == nullptr || map->keys.empty()) return fail("no map to put `" + edit.key + "` in");
   for (const std::string& key : {edit.key, edit.instead_of}) {
     const auto index = key.empty() ? std::nullopt : index_of_key(*map, key);
     if (!index) continue;
@@ -87,15 +90,6 @@ Result<std::vector<Replacement>> replacements(std::string_view text, const YamlN
 }
 
 // --- removal ---
-
-// The map that the path leads to; null when it is missing.
-const YamlNode* map_at(const YamlNode& root, const std::vector<std::string>& path) {
-  const YamlNode* map = &root;
-  for (const std::string& step : path) {
-    if (map != nullptr) map = value_at(*map, step);
-  }
-  return map != nullptr && map->kind == YamlNode::Kind::map ? map : nullptr;
-}
 
 bool are_equal(const YamlNode& a, const YamlNode& b) {
   return a.kind == b.kind && a.text == b.text && a.quoted == b.quoted &&
@@ -164,10 +158,8 @@ std::size_t closing_bracket(std::string_view text, std::size_t at) {
   return at;
 }
 
-// An entry of a flow map, with the comma behind it or, of the last one, before it.
-Replacement flow_entry(std::string_view text, std::size_t key,
-                       std::optional<std::size_t> next_key) {
-  if (next_key) return {key, *next_key - key, ""};
+// The last entry of a flow map, with the comma before it.
+Replacement last_flow_entry(std::string_view text, std::size_t key) {
   constexpr std::string_view kBlank = " \t\r\n";
   const std::size_t closing = closing_bracket(text, key);
   const std::size_t end = text.find_last_not_of(kBlank, closing - 1) + 1;
@@ -182,10 +174,10 @@ std::optional<Replacement> entry_at(std::string_view text, const YamlNode& map, 
   const auto offset = offset_of(text, map.keys[place].place, map.keys[place].text);
   if (!offset) return std::nullopt;
   if (map.flow) {
-    if (place + 1 == map.keys.size()) return flow_entry(text, *offset, std::nullopt);
+    if (place + 1 == map.keys.size()) return last_flow_entry(text, *offset);
     const YamlKey& next = map.keys[place + 1];
-    const auto next_offset = offset_of(text, next.place, next.text);
-    return next_offset ? std::optional(flow_entry(text, *offset, next_offset)) : std::nullopt;
+    const auto end = offset_of(text, next.place, next.text);
+    return end ? std::optional(Replacement{*offset, *end - *offset, ""}) : std::nullopt;
   }
   const std::size_t line = text.rfind('\n', *offset) + 1;  // npos + 1 = 0
   const std::size_t end =
@@ -195,9 +187,8 @@ std::optional<Replacement> entry_at(std::string_view text, const YamlNode& map, 
 
 Result<std::string> key_removed(std::string_view text, const std::vector<std::string>& path,
                                 const std::string& key) {
-  FindingLog log("edited");
-  std::optional<YamlNode> root = parse_yaml(text, log);
-  if (!root) return fail(to_string(log.sorted(), true));
+  Result<YamlNode> root = parse_yaml_to_edit(text, "edited");
+  if (!root) return fail(root);
   const YamlNode* map = map_at(*root, path);
   if (map == nullptr) return fail("no map to remove `" + key + "` from");
   const std::optional<std::size_t> index = index_of_key(*map, key);
@@ -207,7 +198,7 @@ Result<std::string> key_removed(std::string_view text, const std::vector<std::st
   if (cut) edited.erase(cut->begin, cut->length);
   // The result must be the former content without the key: the cut uses the text, not the tree.
   remove_from_tree(*root, path, 0, key);
-  const std::optional<YamlNode> after = parse_yaml(edited, log);
+  const Result<YamlNode> after = parse_yaml_to_edit(edited, "edited");
   if (cut && after && are_equal(*after, *root)) return edited;
   return fail("the key `" + key + "` cannot be removed from the file as it is laid out");
 }
@@ -306,9 +297,8 @@ Result<std::string> remove_yaml_keys(std::string_view text, const std::vector<st
 }
 
 Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>& edits) {
-  FindingLog log("edited");
-  const std::optional<YamlNode> root = parse_yaml(text, log);
-  if (!root) return fail(to_string(log.sorted(), true));
+  const Result<YamlNode> root = parse_yaml_to_edit(text, "edited");
+  if (!root) return fail(root);
   std::vector<Replacement> all;
   for (const YamlEdit& edit : edits) {
     const auto some = replacements(text, *root, edit);
@@ -321,9 +311,8 @@ Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>
 Result<std::string> edit_yaml_list(std::string_view text, const std::string& list,
                                    const std::vector<YamlItemEdit>& edits,
                                    const std::vector<std::string>& appended) {
-  FindingLog log("edited");
-  const std::optional<YamlNode> root = parse_yaml(text, log);
-  if (!root) return fail(to_string(log.sorted(), true));
+  const Result<YamlNode> root = parse_yaml_to_edit(text, "edited");
+  if (!root) return fail(root);
   const YamlNode* items = value_at(*root, list);
   std::vector<Replacement> all;
   // First: where it coincides with an entry's end, that entry's new keys come before it.

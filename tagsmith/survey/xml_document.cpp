@@ -18,42 +18,32 @@ Place place_of(const pugi::xml_node& element, const TextPlaces& places) {
   return places.at(element.offset_debug() - 1);
 }
 
-YamlNode scalar(std::string text, Place place) {
-  YamlNode node;
-  node.kind = YamlNode::Kind::scalar;
-  node.place = place;
-  node.text = std::move(text);
-  return node;
-}
-
 YamlNode text_value(std::string_view text, Place place) {
+  constexpr auto kScalar = YamlNode::Kind::scalar;
   text = trim(text);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
-    YamlNode node = scalar(std::string(text.substr(1, text.size() - 2)), place);
-    node.quoted = true;
-    return node;
+    text = text.substr(1, text.size() - 2);
+    return {.kind = kScalar, .quoted = true, .place = place, .text = std::string(text)};
   }
-  std::vector<std::string> words = split_words(text);
-  if (words.size() == 1) return scalar(std::move(words.front()), place);
-  YamlNode node;
-  node.place = place;
-  if (words.empty()) return node;
-  node.kind = YamlNode::Kind::sequence;
-  for (std::string& word : words) node.items.push_back(scalar(std::move(word), place));
-  return node;
+  const std::vector<std::string> words = split_words(text);
+  if (words.empty()) return {.place = place};
+  if (words.size() == 1) return {.kind = kScalar, .place = place, .text = words.front()};
+  YamlNode list{.kind = YamlNode::Kind::sequence, .place = place};
+  for (const std::string& word : words) {
+    list.items.push_back({.kind = kScalar, .place = place, .text = word});
+  }
+  return list;
 }
 
 YamlNode value_of(const pugi::xml_node& element, const TextPlaces& places, int depth,
                   FindingLog& log) {
   const Place place = place_of(element, places);
-  YamlNode node;
-  node.place = place;
   if (depth > kDeepestElement) {
     log.error(place, "too-deep", "nested more than " + std::to_string(kDeepestElement) + " deep",
               "expected a calibration that OpenCV wrote");
-    node.kind = YamlNode::Kind::broken;
-    return node;
+    return {.kind = YamlNode::Kind::broken, .place = place};
   }
+  YamlNode node{.place = place};
   bool is_list = true;
   for (const pugi::xml_node& child : element.children()) {
     if (child.type() != pugi::node_element) continue;
@@ -90,17 +80,15 @@ std::optional<YamlNode> parse_xml(std::string_view text, FindingLog& log) {
   const pugi::xml_parse_result result =
       document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result) {
-    log.error(places.at(result.offset), "syntax",
-              std::string("no valid XML: ") + result.description(),
-              "write the file again with the program that made it");
-    return std::nullopt;
+    return log.error(places.at(result.offset), "syntax",
+                     std::string("no valid XML: ") + result.description(),
+                     "write the file again with the program that made it");
   }
   YamlNode root = value_of(document.document_element(), places, 0, log);
   if (log.has_errors()) return std::nullopt;
   if (root.kind != YamlNode::Kind::map) {
-    log.error({1, 1}, "empty-file", "no elements within the root, expected a calibration",
-              "write the file again with the program that made it");
-    return std::nullopt;
+    return log.error({1, 1}, "empty-file", "no elements within the root, expected a calibration",
+                     "write the file again with the program that made it");
   }
   return root;
 }

@@ -94,9 +94,7 @@ class TreeBuilder final : public YAML::EventHandler {
   void OnDocumentEnd() override {}
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
-    YamlNode node;
-    node.place = place_of(mark);
-    add(std::move(node), true);
+    add({.place = place_of(mark)}, true);
   }
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
@@ -111,16 +109,12 @@ class TreeBuilder final : public YAML::EventHandler {
       log_open_quote(open_quote_, log_);
       throw Abandoned();
     }
-    if (!plain_tag(tag)) {
-      add(explicit_tag(mark, tag), false);
-      return;
-    }
-    YamlNode node;
-    node.kind = YamlNode::Kind::scalar;
-    node.quoted = tag == "!";
-    node.place = place_of(mark);
-    node.text = value;
-    add(std::move(node), false);
+    if (!plain_tag(tag)) return add(explicit_tag(mark, tag), false);
+    add({.kind = YamlNode::Kind::scalar,
+         .quoted = tag == "!",
+         .place = place_of(mark),
+         .text = value},
+        false);
   }
 
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
@@ -147,11 +141,8 @@ class TreeBuilder final : public YAML::EventHandler {
   }
 
   YamlNode broken(const YAML::Mark& mark, std::string code, std::string message, std::string hint) {
-    YamlNode node;
-    node.kind = YamlNode::Kind::broken;
-    node.place = place_of(mark);
-    log_.error(node.place, std::move(code), std::move(message), std::move(hint));
-    return node;
+    log_.error(place_of(mark), std::move(code), std::move(message), std::move(hint));
+    return {.kind = YamlNode::Kind::broken, .place = place_of(mark)};
   }
 
   YamlNode explicit_tag(const YAML::Mark& mark, const std::string& tag) {
@@ -165,13 +156,11 @@ class TreeBuilder final : public YAML::EventHandler {
       log_too_deep(place_of(mark), log_);
       throw Abandoned();
     }
-    Open entry;
-    entry.node.kind = kind;
-    entry.node.place = place_of(mark);
-    if (!plain_tag(tag)) entry.node = explicit_tag(mark, tag);
-    entry.at_key_of_parent = style == YAML::EmitterStyle::Block;
-    entry.node.flow = !entry.at_key_of_parent;
-    open_.push_back(std::move(entry));
+    const bool is_block = style == YAML::EmitterStyle::Block;
+    YamlNode node{.kind = kind, .place = place_of(mark)};
+    if (!plain_tag(tag)) node = explicit_tag(mark, tag);
+    node.flow = !is_block;
+    open_.push_back({std::move(node), is_block});
   }
 
   void close() {
@@ -262,6 +251,14 @@ bool check_flow(std::string_view text, OpenQuote& open_quote, FindingLog& log) {
   return true;
 }
 
+// How pictures and PDF files begin.
+bool begins_like_picture(std::string_view text) {
+  constexpr std::array<std::string_view, 6> kBegins{"\xFF\xD8\xFF", "\x89PNG", "%PDF",
+                                                    "II*",          "MM",      "RIFF"};
+  return std::ranges::any_of(kBegins,
+                             [&](std::string_view begin) { return text.starts_with(begin); });
+}
+
 }  // namespace
 
 std::optional<std::size_t> index_of_key(const YamlNode& map, std::string_view key) {
@@ -282,18 +279,6 @@ std::size_t end_of_quotes(std::string_view text, std::size_t quote) {
   }
   return std::min(i + 1, text.size());
 }
-
-namespace {
-
-// How pictures and PDF files begin.
-bool begins_like_picture(std::string_view text) {
-  constexpr std::array<std::string_view, 6> kBegins{"\xFF\xD8\xFF", "\x89PNG", "%PDF",
-                                                    "II*",          "MM",      "RIFF"};
-  return std::ranges::any_of(kBegins,
-                             [&](std::string_view begin) { return text.starts_with(begin); });
-}
-
-}  // namespace
 
 bool check_utf8(std::string_view text, FindingLog& log) {
   const bool is_picture = begins_like_picture(text);
@@ -333,19 +318,25 @@ std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
       return std::nullopt;
     }
     const Place place = place_of(error.mark);
-    log.error(place, "syntax", "no valid YAML: " + error.msg,
-              is_indented_by_tab(text, place.line)
-                  ? "indent by spaces: YAML takes no tabs there"
-                  : "check indentation, brackets, quotes and colons on this line and the one "
-                    "before");
-    return std::nullopt;
+    return log.error(
+        place, "syntax", "no valid YAML: " + error.msg,
+        is_indented_by_tab(text, place.line)
+            ? "indent by spaces: YAML takes no tabs there"
+            : "check indentation, brackets, quotes and colons on this line and the one "
+              "before");
   }
   std::optional<YamlNode> root = builder.take();
   if (!root || root->kind == YamlNode::Kind::empty) {
-    log.error({1, 1}, "empty-file", "the file is empty, expected keys and values");
-    return std::nullopt;
+    return log.error({1, 1}, "empty-file", "the file is empty, expected keys and values");
   }
   return root;
+}
+
+Result<YamlNode> parse_yaml_to_edit(std::string_view text, const std::string& name) {
+  FindingLog log(name);
+  std::optional<YamlNode> root = parse_yaml(text, log);
+  if (!root) return fail(to_string(log.sorted(), true));
+  return std::move(*root);
 }
 
 }  // namespace tagsmith::detail

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 
 namespace tagsmith::detail {
@@ -23,12 +24,12 @@ struct YamlNode {
   enum class Kind { empty, scalar, sequence, map, broken };
 
   Kind kind = Kind::empty;
-  bool quoted = false;          // a scalar in quotes is text, whatever it looks like
-  bool flow = false;            // a sequence or map in brackets
-  Place place;                  // of a block map, sequence or nothing under a key: the key's
-  std::string text;             // of a scalar
-  std::vector<YamlKey> keys;    // of a map
-  std::vector<YamlNode> items;  // of a sequence; of a map, the values of `keys` one by one
+  bool quoted = false;            // a scalar in quotes is text, whatever it looks like
+  bool flow = false;              // a sequence or map in brackets
+  Place place;                    // of a block map, sequence or nothing under a key: the key's
+  std::string text{};             // of a scalar
+  std::vector<YamlKey> keys{};    // of a map
+  std::vector<YamlNode> items{};  // of a sequence; of a map, the values of `keys` one by one
 };
 
 // The text's one document. Nothing when it has no usable tree; why is in the log: syntax, not
@@ -36,6 +37,10 @@ struct YamlNode {
 // merge keys and explicit tags other than `known_tag` are logged as errors and leave a broken node.
 std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
                                    std::string_view known_tag = {});
+
+// The tree of text that this program is to change; fails with all that is wrong with it. `name`:
+// what the text is, for the message.
+Result<YamlNode> parse_yaml_to_edit(std::string_view text, const std::string& name);
 
 // The place of a key among those of a map; nothing where it has no such key.
 std::optional<std::size_t> index_of_key(const YamlNode& map, std::string_view key);
