@@ -5,7 +5,7 @@ namespace tagsmith::detail {
 
 DesignedLine scaled(DesignedLine line, double factor) {
   line.start *= factor;
-  for (DesignedElement& element : line.elements) {
+  for (Clothoid& element : line.elements) {
     element = {element.length * factor, element.from / factor, element.to / factor};
   }
   return line;

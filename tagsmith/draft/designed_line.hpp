@@ -12,19 +12,13 @@
 
 namespace tagsmith::detail {
 
-// A line, an arc or a clothoid. The curvature changes evenly from one value to another (1/length,
-// positive to the right where x grows to the right of y).
-struct DesignedElement {
-  double length = 0;
-  double from = 0;
-  double to = 0;
-};
-
 // In the file's grid, seen from above; headings from +y towards +x.
 struct DesignedLine {
   Eigen::Vector2d start{0, 0};
   double heading = 0;  // radians
-  std::vector<DesignedElement> elements;
+  // Lines, arcs and clothoids; curvatures are positive to the right where x grows to the right of
+  // y.
+  std::vector<Clothoid> elements;
 };
 
 // The line with another unit of length.

@@ -151,9 +151,21 @@ double height_at(const VerticalProfile& profile, double station) {
 
 // ---- The file.
 
-int line_of(const pugi::xml_node& node, const TextPlaces& places) {
-  return places.at(node.offset_debug()).line;
-}
+// What all readers of a file's parts need.
+struct LandXml {
+  TextPlaces places;
+  const std::vector<std::string>& ignore;  // names of alignments and profiles
+  FindingLog& log;
+  double metre = 1;  // in the file's unit
+
+  int line_of(const pugi::xml_node& node) const { return places.at(node.offset_debug()).line; }
+
+  // Returns nothing, for readers to return.
+  std::nullopt_t error(const pugi::xml_node& node, std::string code, std::string message,
+                       std::string hint = {}) const {
+    return log.error({line_of(node), 0}, std::move(code), std::move(message), std::move(hint));
+  }
+};
 
 // The numbers of a node's text; empty when one is none.
 std::vector<double> numbers_of(const pugi::xml_node& node) {
@@ -205,32 +217,14 @@ struct Piece {
   Vector2d start{0, 0};
   Vector2d end{0, 0};
   double heading = 0;  // from +y towards +x
-  double length = 0;
-  double curvature = 0;  // 1/radius to the right, at its start
-  double change = 0;     // of the curvature, per unit of length
+  Clothoid shape{};    // also a line or an arc; curvatures are 1/radius to the right
 };
 
 double heading_of(const Vector2d& way) { return std::atan2(way.x(), way.y()); }
 
-// Simpson's rule over steps short against the bend.
-Vector2d along(const Piece& piece, double distance) {
-  const int steps = 2 * (8 + static_cast<int>(std::min(
-                                 200.0, 50 * std::abs(distance * piece.change) * piece.length)));
-  const auto direction = [&](double s) -> Vector2d {
-    const double heading = piece.heading + s * piece.curvature + s * s * piece.change / 2;
-    return direction_of(heading).head<2>();
-  };
-  if (piece.change == 0 && piece.curvature == 0) return piece.start + distance * direction(0);
-  if (piece.change == 0) {
-    const double end = piece.heading + distance * piece.curvature;
-    return piece.start + (right_of(piece.heading) - right_of(end)).head<2>() / piece.curvature;
-  }
-  Vector2d sum(0, 0);
-  const double h = distance / steps;
-  for (int i = 0; i <= steps; ++i) {
-    sum += (i == 0 || i == steps ? 1 : i % 2 == 1 ? 4 : 2) * direction(i * h);
-  }
-  return piece.start + h / 3 * sum;
+// The piece as it runs, whose end need not be the one that the file says.
+Centerline line_of(const Piece& piece) {
+  return line_in_world({piece.start, piece.heading, {piece.shape}}, {});
 }
 
 // The radius at the key as a curvature; INF is straight.
@@ -251,7 +245,7 @@ std::optional<Piece> read_piece(const pugi::xml_node& node) {
   const auto start = place_of(node.child("Start"));
   const auto end = place_of(node.child("End"));
   if (!start || !end || *start == *end) return std::nullopt;
-  Piece piece{*start, *end, heading_of(*end - *start), (*end - *start).norm(), 0, 0};
+  Piece piece{*start, *end, heading_of(*end - *start), {(*end - *start).norm(), 0, 0}};
   if (kind == "Line") return piece;
   const auto sign = rotation_of(node);
   if (!sign) return std::nullopt;
@@ -262,8 +256,8 @@ std::optional<Piece> read_piece(const pugi::xml_node& node) {
     const Vector2d to = *end - *centre;
     double turned = *sign * (heading_of(to) - heading_of(from));
     if (turned < 0) turned += 2 * std::numbers::pi;
-    piece.curvature = *sign / from.norm();
-    piece.length = turned * from.norm();
+    const double curvature = *sign / from.norm();
+    piece.shape = {turned * from.norm(), curvature, curvature};
     piece.heading = heading_of(from) + *sign * std::numbers::pi / 2;
     return piece;
   }
@@ -274,10 +268,9 @@ std::optional<Piece> read_piece(const pugi::xml_node& node) {
       (!type.empty() && type != "clothoid")) {
     return std::nullopt;
   }
-  piece.length = *length;
+  piece.shape = {*length, curvature_at(node, "radiusStart", *sign),
+                 curvature_at(node, "radiusEnd", *sign)};
   piece.heading = heading_of(*corner - *start);
-  piece.curvature = curvature_at(node, "radiusStart", *sign);
-  piece.change = (curvature_at(node, "radiusEnd", *sign) - piece.curvature) / *length;
   return piece;
 }
 
@@ -297,19 +290,20 @@ bool is_angle(double given, double radians) {
 
 // Whether the piece ends where it says and has the stated length, radius and angle, as far as the
 // node states them.
-bool agrees(const pugi::xml_node& node, const Piece& piece, double metre) {
+bool agrees(const pugi::xml_node& node, const Piece& piece, const Centerline& line, double metre) {
   constexpr double kGap = 0.02;    // metres, as elements may leave between them
   constexpr double kScale = 1e-3;  // of a length: on the ground and in the grid
   const auto is_length = [&](const char* key, double length) {
     const auto given = number_at(node, key);
     return !given || std::abs(*given - length) <= std::max(kGap * metre, kScale * length);
   };
-  if ((along(piece, piece.length) - piece.end).norm() > kGap * metre) return false;
-  if (!is_length("length", piece.length)) return false;
-  if (piece.curvature == 0 || piece.change != 0) return true;
+  const auto& [length, from, to] = piece.shape;
+  if ((line.at(length).position.head<2>() - piece.end).norm() > kGap * metre) return false;
+  if (!is_length("length", length)) return false;
+  if (from == 0 || from != to) return true;
   const auto delta = number_at(node, "delta");
-  return is_length("radius", 1 / std::abs(piece.curvature)) &&
-         (!delta || is_angle(std::abs(*delta), piece.length * std::abs(piece.curvature)));
+  return is_length("radius", 1 / std::abs(from)) &&
+         (!delta || is_angle(std::abs(*delta), length * std::abs(from)));
 }
 
 // ---- The profile.
@@ -342,8 +336,7 @@ std::string advice_to_ignore(const std::string& name) {
 }
 
 // Nothing, with its error logged, where the profile cannot be read.
-std::optional<VerticalProfile> read_profile(const pugi::xml_node& node, double metre,
-                                            const TextPlaces& places, FindingLog& log) {
+std::optional<VerticalProfile> read_profile(const pugi::xml_node& node, const LandXml& file) {
   constexpr double kSag = 0.001;  // metres
   const std::string name = std::string(node.attribute("name").value()).substr(0, 60);
   std::vector<GradeChange> changes;
@@ -351,21 +344,20 @@ std::optional<VerticalProfile> read_profile(const pugi::xml_node& node, double m
     if (each.type() != pugi::node_element || each.name() == std::string("Feature")) continue;
     const auto change = read_grade_change(each);
     if (!change) {
-      log.error({line_of(each, places), 0}, "bad-element",
-                fmt::format("{} of profile {}: expected a PVI, ParaCurve, UnsymParaCurve or "
-                            "CircCurve with station, height and the curve's length or radius",
-                            each.name(), name),
-                advice_to_ignore(name));
-      return std::nullopt;
+      return file.error(
+          each, "bad-element",
+          fmt::format("{} of profile {}: expected a PVI, ParaCurve, UnsymParaCurve or CircCurve "
+                      "with station, height and the curve's length or radius",
+                      each.name(), name),
+          advice_to_ignore(name));
     }
     changes.push_back(*change);
   }
-  Result<VerticalProfile> profile = profile_of_grades(changes, kSag * metre);
+  Result<VerticalProfile> profile = profile_of_grades(changes, kSag * file.metre);
   if (profile && profile->size() < 2) profile = fail("expected two points at least");
   if (profile) return *profile;
-  log.error({line_of(node, places), 0}, "bad-element",
-            "profile " + name + ": " + profile.error().message, advice_to_ignore(name));
-  return std::nullopt;
+  return file.error(node, "bad-element", "profile " + name + ": " + profile.error().message,
+                    advice_to_ignore(name));
 }
 
 // Nodes of one kind in several groups, and what they are in words.
@@ -377,36 +369,30 @@ struct NodesOfKind {
 
 // The only one that is not ignored, an empty node where there is none. Nothing, with an error
 // logged, where there are several.
-std::optional<pugi::xml_node> only_one(const NodesOfKind& nodes,
-                                       const std::vector<std::string>& ignore,
-                                       const TextPlaces& places, FindingLog& log) {
+std::optional<pugi::xml_node> only_one(const NodesOfKind& nodes, const LandXml& file) {
   std::vector<pugi::xml_node> found;
   std::string names;
   for (const pugi::xml_node& group : nodes.groups) {
     for (const pugi::xml_node& each : group.children(nodes.kind)) {
       const std::string name = each.attribute("name").value();
-      if (std::ranges::find(ignore, name) != ignore.end()) continue;
+      if (std::ranges::find(file.ignore, name) != file.ignore.end()) continue;
       names += (names.empty() ? "" : ", ") + name.substr(0, 60);
       found.push_back(each);
     }
   }
   if (found.size() < 2) return found.empty() ? pugi::xml_node() : found[0];
-  log.error({line_of(found[1], places), 0}, "several-alignments",
-            std::string("several ") + nodes.words + ": " + names.substr(0, 300),
-            "leave all but one out: --ignore NAME,NAME");
-  return std::nullopt;
+  return file.error(found[1], "several-alignments",
+                    std::string("several ") + nodes.words + ": " + names.substr(0, 300),
+                    "leave all but one out: --ignore NAME,NAME");
 }
 
 // The only profile of the alignment that is not ignored, empty where there is none. Nothing, with
 // its error logged, where there are several, or it cannot be read.
-std::optional<VerticalProfile> profile_of(const pugi::xml_node& alignment, double metre,
-                                          const std::vector<std::string>& ignore,
-                                          const TextPlaces& places, FindingLog& log) {
+std::optional<VerticalProfile> profile_of(const pugi::xml_node& alignment, const LandXml& file) {
   const auto node =
-      only_one({alignment.children("Profile"), "ProfAlign", "profiles of one alignment"}, ignore,
-               places, log);
+      only_one({alignment.children("Profile"), "ProfAlign", "profiles of one alignment"}, file);
   if (!node) return std::nullopt;
-  return *node ? read_profile(*node, metre, places, log) : VerticalProfile{};
+  return *node ? read_profile(*node, file) : VerticalProfile{};
 }
 
 // Logs where an alignment, between two stations, has no heights.
@@ -431,23 +417,24 @@ void check_reach(const VerticalProfile& profile, double from, double to, double 
 
 // ---- The alignment's points.
 
-// Where the piece is cut, from 0 to its length: where the profile has a corner, so that each
-// element has one grade.
-std::vector<double> cuts_of(const Piece& piece, double chainage, const VerticalProfile& profile) {
+// Where a piece of this length is cut, from 0 to its length: where the profile has a corner, so
+// that each element has one grade.
+std::vector<double> cuts_of(double length, double chainage, const VerticalProfile& profile) {
   constexpr double kLeast = 0.01;  // of the file's unit
   std::vector<double> cuts{0};
   for (const Vector2d& corner : profile) {
     const double at = corner.x() - chainage;
-    if (at > cuts.back() + kLeast && at < piece.length - kLeast) cuts.push_back(at);
+    if (at > cuts.back() + kLeast && at < length - kLeast) cuts.push_back(at);
   }
-  cuts.push_back(piece.length);
+  cuts.push_back(length);
   return cuts;
 }
 
-void add_elements(const Piece& piece, const std::vector<double>& cuts, DesignedLine& line) {
+void add_elements(const Clothoid& shape, const std::vector<double>& cuts, DesignedLine& line) {
+  const double change = (shape.to - shape.from) / shape.length;
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    line.elements.push_back({cuts[i + 1] - cuts[i], piece.curvature + cuts[i] * piece.change,
-                             piece.curvature + cuts[i + 1] * piece.change});
+    line.elements.push_back(
+        {cuts[i + 1] - cuts[i], shape.from + cuts[i] * change, shape.from + cuts[i + 1] * change});
   }
 }
 
@@ -476,7 +463,7 @@ bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double m
   const auto is_usable = [&](double curvature) {
     return curvature == 0 || std::abs(curvature) * kWidestRadius * metre >= 1;
   };
-  const bool usable = std::ranges::all_of(line.elements, [&](const DesignedElement& element) {
+  const bool usable = std::ranges::all_of(line.elements, [&](const Clothoid& element) {
     return is_usable(element.from) && is_usable(element.to);
   });
   if (!usable) return false;
@@ -486,14 +473,12 @@ bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double m
   });
 }
 
-void sample_alignment(const pugi::xml_node& alignment, double metre,
-                      const std::vector<std::string>& ignore, const TextPlaces& places,
-                      RawPoints& result, FindingLog& log) {
+void sample_alignment(const pugi::xml_node& alignment, const LandXml& file, RawPoints& result) {
   constexpr double kStep = 0.5;     // metres
   constexpr double kSlack = 0.01;   // that the profile may be shorter
   constexpr double kLongest = 2e4;  // metres of alignment: limits the points
   const std::string name = alignment.attribute("name").value();
-  const auto profile = profile_of(alignment, metre, ignore, places, log);
+  const auto profile = profile_of(alignment, file);
   if (!profile) return;
   const double first = number_at(alignment, "staStart").value_or(0);
   double sampled = 0;
@@ -501,72 +486,62 @@ void sample_alignment(const pugi::xml_node& alignment, double metre,
   std::vector<PieceEnd> ends;
   for (const pugi::xml_node& node : alignment.child("CoordGeom").children()) {
     if (node.type() != pugi::node_element) continue;
-    const int line = line_of(node, places);
     const auto piece = read_piece(node);
+    const Centerline runs = piece ? line_of(*piece) : Centerline{};
     const double chainage = first + sampled;
-    if (piece) sampled += piece->length;
-    if (!piece || !agrees(node, *piece, metre) || sampled > kLongest * metre) {
-      log.error({line, 0}, "bad-element",
-                fmt::format("{} of alignment {}: {}", node.name(), name.substr(0, 60),
-                            piece ? "its numbers contradict each other, or it is too long"
-                                  : "expected a Line, Curve or clothoid Spiral with all its "
-                                    "points, and rot=\"cw\" or \"ccw\" where it bends"),
-                advice_to_ignore(name));
+    if (piece) sampled += piece->shape.length;
+    if (!piece || !agrees(node, *piece, runs, file.metre) || sampled > kLongest * file.metre) {
+      file.error(node, "bad-element",
+                 fmt::format("{} of alignment {}: {}", node.name(), name.substr(0, 60),
+                             piece ? "its numbers contradict each other, or it is too long"
+                                   : "expected a Line, Curve or clothoid Spiral with all its "
+                                     "points, and rot=\"cw\" or \"ccw\" where it bends"),
+                 advice_to_ignore(name));
       return;
     }
     if (whole.elements.empty()) whole = {piece->start, piece->heading, {}};
-    const std::vector<double> cuts = cuts_of(*piece, chainage, *profile);
-    add_elements(*piece, cuts, whole);
+    const std::vector<double> cuts = cuts_of(piece->shape.length, chainage, *profile);
+    add_elements(piece->shape, cuts, whole);
     ends.push_back({sampled, piece->end});
-    for (const double s : steps_between(cuts, kStep * metre)) {
-      const Vector2d p = along(*piece, s);
-      const bool has_height = reaches(*profile, chainage + s, kSlack * metre);
+    for (const double s : steps_between(cuts, kStep * file.metre)) {
+      const Vector2d p = runs.at(s).position.head<2>();
+      const bool has_height = reaches(*profile, chainage + s, kSlack * file.metre);
       const double z = has_height ? height_at(*profile, chainage + s) : 0;
-      RawPoint point{line, name, "CL", {p.x(), p.y(), z}};
+      RawPoint point{file.line_of(node), name, "CL", {p.x(), p.y(), z}};
       point.has_height = has_height;
       point.of_alignment = true;
-      add_point(result, std::move(point), log);
+      add_point(result, std::move(point), file.log);
     }
   }
-  check_reach(*profile, first, first + sampled, kSlack * metre, line_of(alignment, places), name,
-              log);
-  if (joins(whole, ends, metre)) result.alignment = std::move(whole);
-}
-
-void read_alignments(const pugi::xml_node& root, const std::vector<std::string>& ignore,
-                     const TextPlaces& places, RawPoints& result, FindingLog& log) {
-  const auto node =
-      only_one({root.children("Alignments"), "Alignment", "alignments"}, ignore, places, log);
-  if (!node || !*node) return;
-  sample_alignment(*node, 1 / result.metres_per_unit.value_or(1), ignore, places, result, log);
+  check_reach(*profile, first, first + sampled, kSlack * file.metre, file.line_of(alignment), name,
+              file.log);
+  if (joins(whole, ends, file.metre)) result.alignment = std::move(whole);
 }
 
 // ---- Points, and what the export of a survey says of all its tags.
 
-void read_points(const pugi::xml_node& group, const TextPlaces& places, RawPoints& result,
-                 FindingLog& log) {
+void read_points(const pugi::xml_node& group, const LandXml& file, RawPoints& result) {
   for (const pugi::xml_node& node : group.children("CgPoint")) {
     if (node.attribute("pntRef")) continue;
-    const int line = line_of(node, places);
     const std::string name = node.attribute("name").value();
     const std::vector<double> p = numbers_of(node);
     if (p.size() != 3) {
-      log.error({line, 0}, "bad-number",
-                "point " + name.substr(0, 60) + " is `" +
-                    std::string(trim(node.text().get())).substr(0, 60) +
-                    "`, expected north, east and elevation");
+      file.error(node, "bad-number",
+                 "point " + name.substr(0, 60) + " is `" +
+                     std::string(trim(node.text().get())).substr(0, 60) +
+                     "`, expected north, east and elevation");
       continue;
     }
-    RawPoint point{line, name, description_of(node), {p[1], p[0], p[2]}};
+    RawPoint point{file.line_of(node), name, description_of(node), {p[1], p[0], p[2]}};
     point.digits = node.attribute("desc").value();
-    if (!add_point(result, std::move(point), log)) return;
+    if (!add_point(result, std::move(point), file.log)) return;
   }
 }
 
-void read_listed(const pugi::xml_node& group, const TextPlaces& places, RawPoints& result) {
+void read_listed(const pugi::xml_node& group, const LandXml& file, RawPoints& result) {
   const pugi::xml_node feature = group.find_child_by_attribute("Feature", "code", kListedSurvey);
   for (const pugi::xml_node& each : feature.children("Property")) {
-    result.listed_line = line_of(feature, places);
+    result.listed_line = file.line_of(feature);
     result.listed[each.attribute("label").value()] = each.attribute("value").value();
   }
 }
@@ -576,13 +551,13 @@ void read_listed(const pugi::xml_node& group, const TextPlaces& places, RawPoint
 RawPoints landxml_points(std::string_view text, const std::vector<std::string>& ignore,
                          FindingLog& log) {
   RawPoints result;
-  const TextPlaces places(text);
+  LandXml file{TextPlaces(text), ignore, log};
   pugi::xml_document document;
   const auto parsed =
       document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
   const pugi::xml_node root = document.child("LandXML");
   if (!parsed || !root) {
-    log.error({places.at(parsed.offset).line, 0}, "syntax",
+    log.error({file.places.at(parsed.offset).line, 0}, "syntax",
               std::string("no valid LandXML: ") + parsed.description(),
               "write the file again with the program that made it");
     return result;
@@ -591,12 +566,14 @@ RawPoints landxml_points(std::string_view text, const std::vector<std::string>& 
   const std::string unit = units.attribute("linearUnit").value();
   result.metres_per_unit = metres_of_unit(unit);
   if (!result.metres_per_unit) result.unknown_unit = unit;
+  file.metre = 1 / result.metres_per_unit.value_or(1);
   result.epsg_code = root.child("CoordinateSystem").attribute("epsgCode").value();
   for (const pugi::xml_node& group : root.children("CgPoints")) {
-    read_points(group, places, result, log);
-    read_listed(group, places, result);
+    read_points(group, file, result);
+    read_listed(group, file, result);
   }
-  read_alignments(root, ignore, places, result, log);
+  const auto alignment = only_one({root.children("Alignments"), "Alignment", "alignments"}, file);
+  if (alignment && *alignment) sample_alignment(*alignment, file, result);
   return result;
 }
 
