@@ -117,12 +117,8 @@ std::vector<DxfVertex> points_of(const DxfEntity& entity, double metre) {
 // Takes the entities of a drawing one by one.
 class DxfPoints {
  public:
-  DxfPoints(RawPoints& result, const IsDescription& is_description,
-            const std::optional<double>& metres_per_unit, FindingLog& log)
-      : result_(result),
-        is_description_(is_description),
-        metres_per_unit_(metres_per_unit),
-        log_(log) {}
+  DxfPoints(RawPoints& result, const std::optional<double>& metres_per_unit, FindingLog& log)
+      : result_(result), metres_per_unit_(metres_per_unit), log_(log) {}
 
   // False when there are too many points.
   bool take(const DxfEntity& entity) {
@@ -176,7 +172,7 @@ class DxfPoints {
   }
 
   void leave_out(const std::string& layer, const std::string& what) {
-    if (is_description_(layer)) ++other_entities_[what];
+    if (is_point_description(layer)) ++other_entities_[what];
   }
 
   // Of its own place only the elevation is used, for vertices that have none.
@@ -208,8 +204,8 @@ class DxfPoints {
   bool add_all(const DxfEntity& entity, const std::string& name, const std::string& description) {
     const std::string& layer = entity.layer;
     const bool by_layer =
-        description.empty() || (!is_description_(description) && is_description_(layer));
-    if (by_layer && !is_description_(layer)) {
+        description.empty() || (!is_point_description(description) && is_point_description(layer));
+    if (by_layer && !is_point_description(layer)) {
       ++other_layers_[layer];
       return true;
     }
@@ -228,7 +224,6 @@ class DxfPoints {
   }
 
   RawPoints& result_;
-  const IsDescription& is_description_;
   const std::optional<double>& metres_per_unit_;
   FindingLog& log_;
   DxfEntity open_;        // a block whose attributes follow, or a polyline whose vertices do
@@ -338,11 +333,11 @@ void read_drawing_unit(std::string_view text, RawPoints& result) {
 
 }  // namespace
 
-RawPoints dxf_points(std::string_view text, const IsDescription& is_description,
-                     const std::optional<double>& metres_per_unit, FindingLog& log) {
+RawPoints dxf_points(std::string_view text, const std::optional<double>& metres_per_unit,
+                     FindingLog& log) {
   RawPoints result;
   result.unit_is_advice = true;
-  DxfPoints points(result, is_description, metres_per_unit, log);
+  DxfPoints points(result, metres_per_unit, log);
   DxfEntity entity;
   std::string section;
   std::string variable;

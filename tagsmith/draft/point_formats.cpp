@@ -116,11 +116,10 @@ std::optional<GsiBlock> read_block(std::string_view line, int number, FindingLog
   for (line = trim(line); !line.empty(); line = trim(line)) {
     const auto word = front_word(line, size);
     if (!word) {
-      log.error(
+      return log.error(
           {number, 0}, "bad-gsi",
           fmt::format("`{}` is no GSI word of {} characters of data", line.substr(0, 24), size),
           "write the file again as GSI-8 or GSI-16");
-      return std::nullopt;
     }
     if (word->index == "11") block.name = without_zeros(word->data);
     if (word->index == "71") block.remark = gsi_description(word->data);
@@ -151,8 +150,7 @@ std::optional<std::string> rw5_field(const std::vector<std::string>& fields,
 // Takes the records of a raw file one by one.
 class Rw5Points {
  public:
-  Rw5Points(RawPoints& result, const IsDescription& is_description, FindingLog& log)
-      : result_(result), is_description_(is_description), log_(log) {}
+  Rw5Points(RawPoints& result, FindingLog& log) : result_(result), log_(log) {}
 
   // False when there are too many points.
   bool take(int number, std::string_view line) {
@@ -161,7 +159,7 @@ class Rw5Points {
     const std::string words(note < line.size() ? trim(line.substr(note + 3)) : "");
     if (fields[0] == "MO") take_unit(number, fields);
     if (fields[0] == "SP") return take_point(number, fields, words);
-    if (!is_description_(words)) return true;
+    if (!is_point_description(words)) return true;
     std::optional<std::string> name;
     for (const char* head : {"PN", "FP", "OP"}) {
       if (!name) name = rw5_field(fields, head);
@@ -218,7 +216,6 @@ class Rw5Points {
   }
 
   RawPoints& result_;
-  const IsDescription& is_description_;
   FindingLog& log_;
   std::optional<std::string> unit_;                       // as the first record MO says it
   std::set<std::string> points_;                          // names of those that have a record SP
@@ -327,9 +324,9 @@ RawPoints gsi_points(std::string_view text, FindingLog& log) {
   return result;
 }
 
-RawPoints rw5_points(std::string_view text, const IsDescription& is_description, FindingLog& log) {
+RawPoints rw5_points(std::string_view text, FindingLog& log) {
   RawPoints result;
-  Rw5Points points(result, is_description, log);
+  Rw5Points points(result, log);
   for_each_line(text,
                 [&](int number, std::string_view line) { return points.take(number, trim(line)); });
   points.warn_of_rest();

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,7 +14,7 @@
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/draft/designed_line.hpp"
-#include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/table_row.hpp"
 
 namespace tagsmith::detail {
 
@@ -64,38 +63,19 @@ RawPoints landxml_points(std::string_view text, const std::vector<std::string>& 
 // of a tag in word 72.
 RawPoints gsi_points(std::string_view text, FindingLog& log);
 
-// Whether layers, attributes and notes with this text say what a point is.
-using IsDescription = std::function<bool(std::string_view)>;
+// Whether layers, attributes and notes with this text say what a point is (point_list.cpp).
+bool is_point_description(std::string_view text);
 
 // Carlson and TDS RW5: records SP. Points that only other records describe are left out, with a
 // warning.
-RawPoints rw5_points(std::string_view text, const IsDescription& is_description, FindingLog& log);
+RawPoints rw5_points(std::string_view text, FindingLog& log);
 
 // ASCII DXF: POINT, ends of LINE, vertices of LWPOLYLINE and POLYLINE and points on their arcs, at
 // most 2 mm of sagitta apart, INSERT. Description by an attribute (CODE, DESC, DESCRIPTION, KIND)
 // or the layer. Layers and kinds of entities without a meaning are left out, with a warning.
 // `metres_per_unit`: as the user states.
-RawPoints dxf_points(std::string_view text, const IsDescription& is_description,
-                     const std::optional<double>& metres_per_unit, FindingLog& log);
-
-// The text without the byte order mark that it may begin with.
-inline std::string_view without_mark(std::string_view text) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
-}
-
-// Calls `use(number, line)` for each line that is not blank, until it returns false. Numbers count
-// from 1; a byte order mark is left out.
-template <class Use>
-void for_each_line(std::string_view text, Use use) {
-  text = without_mark(text);
-  for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = text.find('\n');
-    const std::string_view line = text.substr(0, end);
-    if (line.find_first_not_of(" \t\r") != std::string_view::npos && !use(number, line)) return;
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  }
-}
+RawPoints dxf_points(std::string_view text, const std::optional<double>& metres_per_unit,
+                     FindingLog& log);
 
 // "CIRCLE (2), HATCH (1)": the names with their counts, the first ten.
 std::string counted_text(const std::map<std::string, int>& counts);

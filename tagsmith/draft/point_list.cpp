@@ -16,7 +16,6 @@
 #include "tagsmith/draft/length_units.hpp"
 #include "tagsmith/draft/point_formats.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/limits.hpp"
 
 namespace tagsmith::detail {
@@ -85,31 +84,22 @@ std::string number_hint(const std::string& field) {
   return grouped ? "write numbers without signs between the thousands" : "decimal signs are points";
 }
 
-// One line with its columns by name.
-class ListRow {
+// One line of a list.
+class ListRow : public TableRow {
  public:
   // `comma`: the decimal sign may be a comma, because fields are separated by something else.
   ListRow(const std::vector<std::string>& columns, std::vector<std::string> fields, bool comma,
           int line, FindingLog& log)
-      : columns_(columns), fields_(std::move(fields)), comma_(comma), line_(line), log_(log) {}
-
-  int line() const { return line_; }
-
-  const std::string& text(const std::string& column) const {
-    static const std::string kNone;
-    const auto index = index_of(column);
-    return index < fields_.size() ? fields_[index] : kNone;
-  }
+      : TableRow(columns, std::move(fields), line, log), comma_(comma) {}
 
   std::optional<double> number(const std::string& column) const {
     std::string field = text(column);
     if (comma_ && field.find('.') == std::string::npos) std::ranges::replace(field, ',', '.');
     const std::optional<double> value = parse_number(field);
     if (value && std::abs(*value) <= kFarthestInMillimetres) return value;
-    error(column, "bad-number",
-          column + " is `" + field.substr(0, 60) + "`, expected a number of metres",
-          number_hint(text(column)));
-    return std::nullopt;
+    return error(column, "bad-number",
+                 column + " is `" + field.substr(0, 60) + "`, expected a number of metres",
+                 number_hint(text(column)));
   }
 
   std::optional<double> optional_number(const std::string& column) const {
@@ -125,34 +115,12 @@ class ListRow {
     return Eigen::Vector3d(*x, *y, *z);
   }
 
-  void error(const std::string& column, const std::string& code, const std::string& message,
-             const std::string& hint = {}) const {
-    log_.error(place(column), code, message, hint);
-  }
-
-  Place place(const std::string& column) const {
-    return {line_, static_cast<int>(index_of(column)) + 1};
-  }
-
  private:
-  std::size_t index_of(const std::string& column) const {
-    return static_cast<std::size_t>(std::ranges::find(columns_, column) - columns_.begin());
-  }
-
-  const std::vector<std::string>& columns_;
-  std::vector<std::string> fields_;
   bool comma_;
-  int line_;
-  FindingLog& log_;
 };
 
 std::string code_of(std::string_view description) {
   return upper_case(description.substr(0, description.find_first_of(" \t")));
-}
-
-bool is_point_description(std::string_view description) {
-  const std::string code = code_of(description);
-  return kind_of(code).has_value() || parse_tag_name(code).has_value();
 }
 
 bool is_ignored(const RawPoint& raw, const std::vector<std::string>& ignore) {
@@ -176,11 +144,11 @@ std::optional<SurveyedPoint> described_point(const RawPoint& raw, int column, Fi
     point.kind = *kind;
     return point;
   }
-  log.error({raw.line, column}, "unknown-code",
-            "point " + raw.name.substr(0, 60) + " has the description `" +
-                raw.description.substr(0, 60) + "`, expected " + kCodes,
-            "or leave such points out: --ignore " + (code.empty() ? "CODE" : code.substr(0, 20)));
-  return std::nullopt;
+  return log.error(
+      {raw.line, column}, "unknown-code",
+      "point " + raw.name.substr(0, 60) + " has the description `" + raw.description.substr(0, 60) +
+          "`, expected " + kCodes,
+      "or leave such points out: --ignore " + (code.empty() ? "CODE" : code.substr(0, 20)));
 }
 
 std::optional<SurveyedPoint> read_point(const ListRow& row, const PointListOptions& options,
@@ -395,11 +363,10 @@ std::optional<char> separator_of(std::string_view text, std::size_t least, Findi
   for (const Separator& each : tried) {
     found += (found.empty() ? "" : ", ") + std::to_string(each.first) + " by " + each.name;
   }
-  log.error({first_line, 0}, "wrong-length",
-            "the line has " + found + " fields, expected " + std::to_string(least) +
-                " by one of them, and as many on the others",
-            "--order says all columns of the file, - for those to skip");
-  return std::nullopt;
+  return log.error({first_line, 0}, "wrong-length",
+                   "the line has " + found + " fields, expected " + std::to_string(least) +
+                       " by one of them, and as many on the others",
+                   "--order says all columns of the file, - for those to skip");
 }
 
 // Whether a line by commas has decimal commas, too: each coordinate is two fields of digits.
@@ -539,9 +506,9 @@ RawPoints raw_points(PointFormat format, std::string_view text, const PointListO
     case PointFormat::gsi:
       return gsi_points(text, log);
     case PointFormat::rw5:
-      return rw5_points(text, is_point_description, log);
+      return rw5_points(text, log);
     default:
-      return dxf_points(text, is_point_description, options.metres_per_unit, log);
+      return dxf_points(text, options.metres_per_unit, log);
   }
 }
 
@@ -569,6 +536,11 @@ void read_other(PointFormat format, std::string_view text, const PointListOption
 }  // namespace
 
 std::string to_string(PointKind kind) { return kPointKinds[static_cast<std::size_t>(kind)].name; }
+
+bool is_point_description(std::string_view text) {
+  const std::string code = code_of(text);
+  return kind_of(code).has_value() || parse_tag_name(code).has_value();
+}
 
 std::vector<std::string> own_columns() {
   return split(
