@@ -51,11 +51,7 @@ std::vector<Vector2d> sample_of(const std::vector<SurveyedPoint>& points, PointK
 double distance_to_line(const Vector2d& p, const std::vector<Vector2d>& line) {
   double least = (p - line.front()).norm();
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const Vector2d along = line[i] - line[i - 1];
-    const double length = along.squaredNorm();
-    const double share =
-        length > 0 ? std::clamp((p - line[i - 1]).dot(along) / length, 0.0, 1.0) : 0;
-    least = std::min(least, (p - line[i - 1] - share * along).norm());
+    least = std::min(least, distance_to_segment(p, line[i - 1], line[i]));
   }
   return least;
 }
@@ -94,13 +90,6 @@ std::optional<double> apparent_height(const std::vector<SurveyedPoint>& points) 
 
 constexpr double kTimesScatter = 8;  // the scatter
 constexpr std::size_t kLeastOfKind = 7;
-
-// Of values among which some are slips, one standard deviation.
-double scatter_of(std::vector<double> values) {
-  constexpr double kSigmaOfMedian = 1.4826;
-  for (double& value : values) value = std::abs(value);
-  return kSigmaOfMedian * median(std::move(values));
-}
 
 // That of the values beside one of them, of which rock may be rougher than elsewhere; 0 of a few.
 double scatter_beside(const std::vector<double>& values, std::size_t place) {

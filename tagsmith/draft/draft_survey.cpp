@@ -16,6 +16,7 @@
 
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/draft/fit_plan.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/survey/assumptions.hpp"
@@ -26,11 +27,6 @@ namespace {
 
 Side side_of(const SurveyedPoint& point) {
   return point.kind == PointKind::left_tag ? Side::left : Side::right;
-}
-
-std::string list_of(const Eigen::Vector3d& p) {
-  return "[" + format_number(p.x()) + ", " + format_number(p.y()) + ", " + format_number(p.z()) +
-         "]";
 }
 
 template <class Values>
@@ -122,7 +118,7 @@ std::string tunnel_text(const SurveyDraft& draft) {
       "    start: {}   # on the floor\n"
       "    heading: {}   # degrees from +y towards +x\n"
       "    elements:\n",
-      room_text(draft.fit.tunnel), list_of(grid_from_world(draft.grid, start.position)),
+      room_text(draft.fit.tunnel), joined(grid_from_world(draft.grid, start.position)),
       format_number(degrees(grid_heading_from_world(draft.grid, start.heading)), 8));
   for (const std::string& element : element_texts(line.elements())) {
     text += "      - " + element + "\n";
@@ -159,7 +155,6 @@ struct AcrossScatter {
 // and for plates to come.
 std::optional<AcrossScatter> scatter_across(const SurveyDraft& draft) {
   constexpr double kRoughest = 0.03;
-  constexpr double kFinest = 1e-4;  // lists are written to the millimetre or its tenth
   constexpr double kLeastFreedom = 5;
   const Tunnel& tunnel = draft.fit.tunnel;
   if (draft.series || draft.of_export) return std::nullopt;
@@ -259,11 +254,11 @@ std::string attitude_keys(const SurveyDraft& draft, const SurveyedPoint& point) 
 
 std::string placed_text(const SurveyDraft& draft, const SurveyedPoint& point) {
   std::string text = "  - { tag: " + tag_name(point.tag->pair, point.tag->side) +
-                     ", side: " + to_string(point.tag->side) + ", p: " + list_of(point.in_grid);
+                     ", side: " + to_string(point.tag->side) + ", p: " + joined(point.in_grid);
   if (!point.digits.empty()) text += ", digits: \"" + point.digits + "\"";
   if (point.sigma) text += ", sigma: " + format_number(*point.sigma);
   if (!point.date.empty()) text += ", date: " + point.date;
-  if (point.design_in_grid) text += ", design: " + list_of(*point.design_in_grid);
+  if (point.design_in_grid) text += ", design: " + joined(*point.design_in_grid);
   return text + attitude_keys(draft, point) + " }\n";
 }
 

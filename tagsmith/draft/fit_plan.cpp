@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tagsmith/base/statistics.hpp"
+#include "tagsmith/draft/point_order.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 
@@ -107,12 +108,6 @@ std::vector<Vector2d> line_between(const std::vector<PlanPoint>& wall,
     result.push_back(wall[i].p + share * (gap ? Vector2d(usual * inward[i]) : across[i]));
   }
   return result;
-}
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double share = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (p - a - share * along).norm();
 }
 
 // Without points that lie far aside from the way between their neighbours, and without steps too
@@ -306,10 +301,6 @@ Eigen::ArrayXd robust_costs(const VectorXd& residuals, double scale) {
   return squares / (1 + squares);
 }
 
-double robust_cost(const VectorXd& residuals, double scale) {
-  return robust_costs(residuals, scale).sum();
-}
-
 // How the values change with each of the model's numbers.
 template <class Values>
 MatrixXd jacobian_of(const PlanModel& model, const Values& values_of) {
@@ -346,8 +337,8 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
       moved.values -= solve_symmetric(
           normal, jacobian.transpose() * (weights.array() * residuals.array()).matrix());
       const VectorXd left = residuals_of(moved, points);
-      const double before = robust_cost(residuals, used);
-      const double after = robust_cost(left, used);
+      const double before = robust_costs(residuals, used).sum();
+      const double after = robust_costs(left, used).sum();
       if (!(after < before)) {
         damping *= 10;
         continue;
@@ -374,22 +365,13 @@ double reach_of(const std::vector<PlanPoint>& points, const std::vector<Vector2d
 
 // What is fitted, and what the guide says of it.
 struct PlanTask {
-  PlanTask(const std::vector<PlanPoint>& all, const std::vector<Vector2d>& line, double most_off)
-      : points(all),
-        sample(thinned(all, kMostFitted)),
-        guide(line),
-        steps(heading_steps(line)),
-        sums(steps),
-        width(2 * reach_of(sample, line)),
-        tolerance(most_off) {}
-
   const std::vector<PlanPoint>& points;
-  std::vector<PlanPoint> sample;
   std::vector<Vector2d> guide;
-  std::vector<HeadingStep> steps;
-  HeadingSums sums;
-  double width;
   double tolerance;
+  std::vector<PlanPoint> sample = thinned(points, kMostFitted);
+  std::vector<HeadingStep> steps = heading_steps(guide);
+  HeadingSums sums{steps};
+  double width = 2 * reach_of(sample, guide);
 
   // How far a model begins before the first point, and ends after the last.
   double lead() const { return width + 1; }
@@ -436,9 +418,8 @@ double freedom_of(const PlanModel& model, std::size_t points) {
 // than the tolerance.
 double scale_of(const PlanModel& model, const std::vector<PlanPoint>& points, double tolerance) {
   constexpr double kTimes = 8;
-  constexpr double kSigmaOfMedian = 1.4826;
-  const VectorXd residuals = residuals_of(model, points).cwiseAbs();
-  const double sigma = kSigmaOfMedian * median({residuals.begin(), residuals.end()}) *
+  const VectorXd residuals = residuals_of(model, points);
+  const double sigma = scatter_of({residuals.begin(), residuals.end()}) *
                        std::sqrt(static_cast<double>(points.size()) /
                                  std::max(1.0, freedom_of(model, points.size())));
   return std::min(tolerance, kTimes * std::max(kFinest, sigma));
@@ -447,7 +428,7 @@ double scale_of(const PlanModel& model, const std::vector<PlanPoint>& points, do
 // Squares of the residuals, of which each counts at most `scale`; points are no better than their
 // digits.
 double squares_of(const PlanModel& model, const std::vector<PlanPoint>& points, double scale) {
-  return scale * scale * robust_cost(residuals_of(model, points), scale) +
+  return scale * scale * robust_costs(residuals_of(model, points), scale).sum() +
          kFinest * kFinest * static_cast<double>(points.size());
 }
 
@@ -573,9 +554,7 @@ double heading_sigma_of(const PlanModel& model, const std::vector<PlanModel>& ot
 }
 
 PlanFit seen_along(Centerline line, double width, const std::vector<PlanPoint>& points) {
-  PlanFit fit;
-  fit.line = std::move(line);
-  fit.width = width;
+  PlanFit fit{std::move(line), width, {}, {}};
   for (const PlanPoint& point : points) {
     fit.residuals.push_back(residual_of(fit.line, fit.width, point));
     fit.chainages.push_back(fit.line.locate(point.p).chainage);
@@ -708,9 +687,9 @@ double chance_of(double before, double after, double freedom, int pieces, double
 
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
                                 int most_elements) {
-  const std::vector<Vector2d> guide = make_guide(points);
+  std::vector<Vector2d> guide = make_guide(points);
   if (guide.empty()) return std::nullopt;
-  const PlanTask task(points, guide, tolerance);
+  const PlanTask task{points, std::move(guide), tolerance};
   const int most = std::min(most_elements, static_cast<int>(task.steps.size()));
   std::optional<PlanFit> closest;
   std::optional<PlanModel> shorter;

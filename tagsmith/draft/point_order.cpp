@@ -63,6 +63,22 @@ std::vector<NeighbourOff> offs_from_neighbours(const std::vector<HeightStation>&
   return offs;
 }
 
+// ---- Helpers.
+
+double scatter_of(std::vector<double> values) {
+  constexpr double kSigmaOfMedian = 1.4826;
+  for (double& value : values) value = std::abs(value);
+  return kSigmaOfMedian * median(std::move(values));
+}
+
+double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
+                           const Eigen::Vector2d& b) {
+  const Eigen::Vector2d along = b - a;
+  const double length = along.squaredNorm();
+  const double share = length > 0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0;
+  return (p - a - share * along).norm();
+}
+
 // ---- Order.
 
 namespace {

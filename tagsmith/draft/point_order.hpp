@@ -34,6 +34,14 @@ struct NeighbourOff {
 // Nothing for fewer than seven.
 std::vector<NeighbourOff> offs_from_neighbours(const std::vector<HeightStation>& stations);
 
+// ---- Helpers of fits and checks. Internal to tagsmith/survey.
+
+// Of values among which some are slips, one standard deviation.
+double scatter_of(std::vector<double> values);
+
+double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
+                           const Eigen::Vector2d& b);
+
 // ---- Whether a list of surveyed points runs along the drive.
 
 // Fails where the points of one kind run back by metres, and names the points of which one alone
