@@ -28,11 +28,10 @@ PlacedKeys measured_keys(const AsBuiltPlace& place) {
   PlacedKeys values{{"p", point_text(place.p_in_grid)},
                     {"sigma", rounded_text(std::max(place.sigma, kLeastSigma), 4)}};
   if (!place.date.empty()) values.emplace_back("date", place.date);
-  const PlacedKeys attitude{
-      {"facing", rounded_text(std::fmod(degrees(place.attitude.facing.value_or(0)) + 360, 360), 3)},
-      {"tilt", rounded_text(degrees(place.attitude.tilt), 3)},
-      {"roll", rounded_text(degrees(place.attitude.roll), 3)}};
-  values.insert(values.end(), attitude.begin(), attitude.end());
+  const auto& [facing, tilt, roll] = place.attitude;
+  values.emplace_back("facing", rounded_text(std::fmod(degrees(facing.value_or(0)) + 360, 360), 3));
+  values.emplace_back("tilt", rounded_text(degrees(tilt), 3));
+  values.emplace_back("roll", rounded_text(degrees(roll), 3));
   return values;
 }
 

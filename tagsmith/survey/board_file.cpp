@@ -7,11 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/yaml_file.hpp"
-#include "tagsmith/survey/yaml_reader.hpp"
 #include "tagsmith/tag/printer.hpp"
 
 namespace tagsmith::detail {

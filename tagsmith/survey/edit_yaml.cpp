@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
 namespace tagsmith::detail {
@@ -32,12 +31,7 @@ std::string replaced(std::string_view text, std::vector<Replacement> all) {
 // count characters instead of bytes, so the search begins at that column of its line.
 std::optional<std::size_t> offset_of(std::string_view text, const Place& place,
                                      std::string_view word) {
-  std::size_t line_start = 0;
-  for (int line = 1; line < place.line; ++line) {
-    line_start = text.find('\n', line_start);
-    if (line_start == std::string_view::npos) return std::nullopt;
-    ++line_start;
-  }
+  const std::size_t line_start = start_of_line(text, place.line);
   const std::size_t line_end = std::min(text.find('\n', line_start), text.size());
   const std::size_t from = line_start + static_cast<std::size_t>(std::max(0, place.column - 1));
   const std::size_t found = text.find(word, from);
@@ -114,10 +108,6 @@ int last_line(const YamlNode& node) {
   int line = node.place.line;
   for (const YamlNode& item : node.items) line = std::max(line, last_line(item));
   return line;
-}
-
-std::size_t next_line(std::string_view text, std::size_t at) {
-  return std::min(text.find('\n', at), text.size() - 1) + 1;
 }
 
 // Where the lines of a block map's entry end: those of its value, and all that are indented more.

@@ -2,7 +2,6 @@
 #include "tagsmith/survey/expected_place.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>

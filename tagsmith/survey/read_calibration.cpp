@@ -13,7 +13,6 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/limits.hpp"
 #include "tagsmith/survey/xml_document.hpp"
-#include "tagsmith/survey/yaml_document.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith::detail {

@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/yaml_file.hpp"
-#include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith::detail {
 namespace {

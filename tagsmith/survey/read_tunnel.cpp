@@ -272,16 +272,17 @@ std::vector<CenterlineElement> read_clothoid(const MapReader& map, double start,
 
 // Keys that belong to other kinds of elements than this one.
 void check_keys(const MapReader& map, const std::string& kind) {
-  const std::pair<const char*, std::string> owners[] = {{"turn", "arc clothoid"},
-                                                        {"angle", "arc"},
-                                                        {"from_radius", "clothoid"},
-                                                        {"to_radius", "clothoid"}};
+  const std::pair<const char*, std::vector<std::string>> owners[] = {{"turn", {"arc", "clothoid"}},
+                                                                     {"angle", {"arc"}},
+                                                                     {"from_radius", {"clothoid"}},
+                                                                     {"to_radius", {"clothoid"}}};
   for (const auto& [key, kinds] : owners) {
-    if (!map.has(key) || kinds.find(kind) != std::string::npos) continue;
-    map.at(key).error("conflicting-keys",
-                      "`" + map.at(key).name + "` beside `" + kind + "`, expected it with `" +
-                          (kinds == "arc clothoid" ? "arc` or `clothoid" : kinds) + "` only",
-                      kElementHint);
+    if (!map.has(key) || std::ranges::count(kinds, kind) > 0) continue;
+    const YamlValue value = map.at(key);
+    value.error("conflicting-keys",
+                "`" + value.name + "` beside `" + kind + "`, expected it with " + either_of(kinds) +
+                    " only",
+                kElementHint);
   }
 }
 

@@ -26,9 +26,7 @@ constexpr std::size_t kLongestFlow = 2'000'000;
 
 // Whether a tab is among the blanks that this line begins with.
 bool is_indented_by_tab(std::string_view text, int line) {
-  for (int i = 1; i < line && !text.empty(); ++i) {
-    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
-  }
+  text.remove_prefix(start_of_line(text, line));
   return text.substr(0, text.find_first_not_of(" \t")).find('\t') != std::string_view::npos;
 }
 
@@ -270,6 +268,16 @@ std::optional<std::size_t> index_of_key(const YamlNode& map, std::string_view ke
 const YamlNode* value_at(const YamlNode& map, std::string_view key) {
   const std::optional<std::size_t> index = index_of_key(map, key);
   return index ? &map.items[*index] : nullptr;
+}
+
+std::size_t next_line(std::string_view text, std::size_t at) {
+  return std::min(text.find('\n', at), text.size() - 1) + 1;
+}
+
+std::size_t start_of_line(std::string_view text, int line) {
+  std::size_t start = 0;
+  for (int i = 1; i < line; ++i) start = next_line(text, start);
+  return start;
 }
 
 std::size_t end_of_quotes(std::string_view text, std::size_t quote) {

@@ -48,6 +48,12 @@ std::optional<std::size_t> index_of_key(const YamlNode& map, std::string_view ke
 // The value of a map's key; null where it has no such key.
 const YamlNode* value_at(const YamlNode& map, std::string_view key);
 
+// Where the next line begins; the text's end behind the last one.
+std::size_t next_line(std::string_view text, std::size_t at);
+
+// Where the line of this number begins, counted from 1.
+std::size_t start_of_line(std::string_view text, int line);
+
 // One beyond the closing quote of the quoted text that begins here; without one the text's end.
 std::size_t end_of_quotes(std::string_view text, std::size_t quote);
 
