@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <span>
 #include <utility>
 
 namespace tagsmith::detail {
@@ -30,6 +32,23 @@ double value_at(const Stations& stations, double chainage, bool before_step) {
   return between(*std::prev(next), *next, chainage);
 }
 
+// The stations in (from, to), or with `ends_too` in [from, to].
+std::span<const ProfileStation> within(const Stations& stations, double from, double to,
+                                       bool ends_too) {
+  const auto first = next_station(stations, from, ends_too);
+  return {first, std::max(first, next_station(stations, to, !ends_too))};
+}
+
+// How much the value rises at each step among these stations.
+std::vector<double> steps_of(std::span<const ProfileStation> stations) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stations.size(); ++i) {
+    const bool is_step = stations[i].chainage == stations[i - 1].chainage;
+    if (is_step) steps.push_back(stations[i].value - stations[i - 1].value);
+  }
+  return steps;
+}
+
 }  // namespace
 
 ChainageProfile::ChainageProfile(double value) : stations_{{0, value}} {}
@@ -40,53 +59,35 @@ ChainageProfile::ChainageProfile(std::vector<ProfileStation> stations)
   assert(std::ranges::is_sorted(stations_, {}, &ProfileStation::chainage));
 }
 
-double ChainageProfile::at(double chainage) const {
-  if (is_constant()) return stations_.front().value;
-  return value_at(stations_, chainage, false);
-}
+double ChainageProfile::at(double chainage) const { return value_at(stations_, chainage, false); }
 
 double ChainageProfile::before(double chainage) const {
-  if (is_constant()) return stations_.front().value;
   return value_at(stations_, chainage, true);
 }
 
 double ChainageProfile::slope(double from, double to) const {
   if (is_constant()) return 0;
   double change = before(to) - at(from);
-  auto next = next_station(stations_, from, false);
-  for (; next != stations_.end() && next->chainage < to; ++next) {
-    const bool is_step = next != stations_.begin() && std::prev(next)->chainage == next->chainage;
-    if (is_step) change -= next->value - std::prev(next)->value;
-  }
+  for (const double step : steps_of(within(stations_, from, to, false))) change -= step;
   return change / (to - from);
 }
 
 double ChainageProfile::steps(double from, double to) const {
   double sum = 0;
-  auto next = next_station(stations_, from, true);
-  for (; next != stations_.end() && next->chainage <= to; ++next) {
-    const bool is_step = next != stations_.begin() && std::prev(next)->chainage == next->chainage;
-    if (is_step) sum += std::abs(next->value - std::prev(next)->value);
-  }
+  for (const double step : steps_of(within(stations_, from, to, true))) sum += std::abs(step);
   return sum;
 }
 
 double ChainageProfile::least(double from, double to) const {
   double least = std::min(at(from), before(to));
-  auto next = next_station(stations_, from, true);
-  for (; next != stations_.end() && next->chainage <= to; ++next) {
-    least = std::min(least, next->value);
+  for (const ProfileStation& station : within(stations_, from, to, true)) {
+    least = std::min(least, station.value);
   }
   return least;
 }
 
 double ChainageProfile::greatest(double from, double to) const {
-  double greatest = std::max(at(from), before(to));
-  auto next = next_station(stations_, from, true);
-  for (; next != stations_.end() && next->chainage <= to; ++next) {
-    greatest = std::max(greatest, next->value);
-  }
-  return greatest;
+  return -scaled(-1).least(from, to);
 }
 
 double ChainageProfile::least() const {
@@ -100,10 +101,9 @@ double ChainageProfile::greatest() const {
 std::vector<double> ChainageProfile::breaks(double from, double to) const {
   std::vector<double> chainages;
   if (is_constant()) return chainages;
-  auto next = next_station(stations_, from, false);
-  for (; next != stations_.end() && next->chainage < to; ++next) {
-    if (chainages.empty() || chainages.back() != next->chainage) {
-      chainages.push_back(next->chainage);
+  for (const ProfileStation& station : within(stations_, from, to, false)) {
+    if (chainages.empty() || chainages.back() != station.chainage) {
+      chainages.push_back(station.chainage);
     }
   }
   return chainages;
@@ -118,14 +118,10 @@ ChainageProfile ChainageProfile::scaled(double factor, double shift) const {
 ChainageProfile sum(const ChainageProfile& a, const ChainageProfile& b) {
   if (a.is_constant()) return b.scaled(1, a.at(0));
   if (b.is_constant()) return a.scaled(1, b.at(0));
+  constexpr double kEnd = std::numeric_limits<double>::infinity();
   std::vector<double> chainages;
-  for (const ChainageProfile* profile : {&a, &b}) {
-    for (const ProfileStation& station : profile->stations()) {
-      chainages.push_back(station.chainage);
-    }
-  }
-  std::ranges::sort(chainages);
-  chainages.erase(std::unique(chainages.begin(), chainages.end()), chainages.end());
+  std::ranges::set_union(a.breaks(-kEnd, kEnd), b.breaks(-kEnd, kEnd),
+                         std::back_inserter(chainages));
   Stations stations;
   for (const double chainage : chainages) {
     const double before = a.before(chainage) + b.before(chainage);

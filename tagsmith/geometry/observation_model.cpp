@@ -100,7 +100,7 @@ ObservedWall observe_wall(const Centerline& centerline, const ChainageProfile& w
   const double distance = towards * (abreast - address.offset);
   const Vector3d across = -towards * right_of(centerline.at(address.chainage).heading);
   if (wall_offset.is_constant()) return {distance, across};
-  const Eigen::Vector2d foot = nearest_on_side(centerline, wall_offset, position.head<2>()).point;
+  const Eigen::Vector2d foot = nearest_on_side(centerline, wall_offset, position.head<2>());
   const double sign = distance < 0 ? -1.0 : 1.0;
   const Eigen::Vector2d way = position.head<2>() - foot;
   const double length = way.norm();

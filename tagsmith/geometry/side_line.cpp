@@ -41,12 +41,11 @@ int pieces_of(double curvature, double greatest_offset, double length, double sa
   return static_cast<int>(std::clamp(std::ceil(turned / least_turn), 1.0, kMost));
 }
 
-Vector2d nearest_of_piece(const Vector2d& a, const Vector2d& b, const Vector2d& position,
-                          double& share) {
+// Where the way from a to b passes `position` nearest, as a share of it.
+double nearest_share(const Vector2d& a, const Vector2d& b, const Vector2d& position) {
   const Vector2d along = b - a;
   const double square = along.squaredNorm();
-  share = square > 0 ? std::clamp((position - a).dot(along) / square, 0.0, 1.0) : 0.0;
-  return a + share * along;
+  return square > 0 ? std::clamp((position - a).dot(along) / square, 0.0, 1.0) : 0.0;
 }
 
 // From a foot on a straight piece to one on the curve, within [low, high].
@@ -137,7 +136,7 @@ std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile
   return points;
 }
 
-SideFoot nearest_on_side(const Centerline& line, const ChainageProfile& offset,
+Vector2d nearest_on_side(const Centerline& line, const ChainageProfile& offset,
                          const Vector2d& position) {
   constexpr double kSag = 0.002;
   const double abreast = line.locate(position).chainage;
@@ -145,29 +144,29 @@ SideFoot nearest_on_side(const Centerline& line, const ChainageProfile& offset,
   const double reach = 2 * away + 0.1;  // chainages count on the center line: arcs stretch them
   const std::vector<SidePoint> points =
       side_points(line, offset, abreast - reach, abreast + reach, kSag);
-  SideFoot nearest;
+  Vector2d nearest(0, 0);
+  double chainage = 0;
+  double low = 0;  // of the piece that it lies on
+  double high = 0;
   double least = std::numeric_limits<double>::infinity();
-  std::size_t piece = 1;
   for (std::size_t i = 1; i < points.size(); ++i) {
-    double share = 0;
-    const Vector2d foot = nearest_of_piece(points[i - 1].position.head<2>(),
-                                           points[i].position.head<2>(), position, share);
+    const Vector2d from = points[i - 1].position.head<2>();
+    const Vector2d to = points[i].position.head<2>();
+    const double share = nearest_share(from, to, position);
+    const Vector2d foot = from + share * (to - from);
     const double distance = (foot - position).norm();
     if (distance >= least) continue;
     least = distance;
-    piece = i;
-    nearest = {points[i - 1].chainage + share * (points[i].chainage - points[i - 1].chainage),
-               foot};
+    nearest = foot;
+    low = points[i - 1].chainage;
+    high = points[i].chainage;
+    chainage = low + share * (high - low);
   }
-  const double low = points[piece - 1].chainage;
-  const double high = points[piece].chainage;
-  if (low < high && line.at((low + high) / 2).curvature != 0) {
-    nearest.chainage = refined(line, offset, position, nearest.chainage, low, high);
-    const double share = (nearest.chainage - low) / (high - low);
-    const double aside = offset.at(low) + share * (offset.before(high) - offset.at(low));
-    nearest.point = beside(line, nearest.chainage, aside).head<2>();
-  }
-  return nearest;
+  if (low >= high || line.at((low + high) / 2).curvature == 0) return nearest;
+  chainage = refined(line, offset, position, chainage, low, high);
+  const double share = (chainage - low) / (high - low);
+  const double aside = offset.at(low) + share * (offset.before(high) - offset.at(low));
+  return beside(line, chainage, aside).head<2>();
 }
 
 }  // namespace tagsmith::detail

@@ -35,15 +35,9 @@ struct SidePoint {
 std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile& offset,
                                    double from, double to, double sag);
 
-// The side line's point nearest to another one.
-struct SideFoot {
-  double chainage = 0;
-  Eigen::Vector2d point = Eigen::Vector2d::Zero();
-};
-
-// The nearest of those near the center line's point nearest to `position`: round a bend the line
-// may come nearer again.
-SideFoot nearest_on_side(const Centerline& line, const ChainageProfile& offset,
-                         const Eigen::Vector2d& position);
+// The side line's point nearest to `position`, of those near the center line's point nearest to it:
+// round a bend the line may come nearer again.
+Eigen::Vector2d nearest_on_side(const Centerline& line, const ChainageProfile& offset,
+                                const Eigen::Vector2d& position);
 
 }  // namespace tagsmith::detail

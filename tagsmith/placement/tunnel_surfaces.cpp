@@ -155,9 +155,7 @@ namespace {
 // Chainages within `reach` of one, where floor or roof do not continue as before.
 // Why: docs/decisions/0001-frames-grids-and-walls.md.
 std::vector<double> breaks_of(const Tunnel& tunnel, double chainage, double reach) {
-  std::vector<double> breaks = tunnel.height.is_constant()
-                                   ? std::vector<double>{}
-                                   : tunnel.height.breaks(chainage - reach, chainage + reach);
+  std::vector<double> breaks = tunnel.height.breaks(chainage - reach, chainage + reach);
   const auto& elements = tunnel.centerline.elements();
   double start = 0;
   double grade = elements.empty() ? 0 : elements.front().grade;
