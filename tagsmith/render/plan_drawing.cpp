@@ -260,7 +260,7 @@ std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, c
 Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan,
                                      Paper paper) {
   std::vector<DrawingView> views;
-  for (const PlanStrip& strip : plan_strips(survey)) {
+  for (const PlanStrip& strip : plan_strips(survey, paper)) {
     DrawingView view = plan_view(survey, strip);
     draw_coverage(survey, plan, strip, view.sketch);
     const double from = std::max(strip.from, plan.columns.front().chainage);

@@ -190,6 +190,22 @@ TEST_CASE("the plan's drawing fits the paper that is asked for") {
   }
 }
 
+TEST_CASE("a long drive's drawing is cut for its paper, so that its tags can be read") {
+  const TemporaryFolder folder;
+  const std::string survey = (folder.path() / "long.yaml").string();
+  std::ofstream(survey) << R"(survey: long
+tunnel:
+  width: 4
+  height: 3
+  centerline: { start: [10, 10, 0], heading: 0, elements: [ { line: 300 } ] }
+tags: { template: tag-800x430, height: 1.2, spacing: 3, first: 1, pairs: 70 }
+code: { check_digit: gs1, resolution: 0.1, digits: [4, 4, 3], origin: [0, 0, 0] }
+)";
+  run_tagsmith("plan " + survey + " --rig surveys/drift/rig.yaml --step 5 --paper letter -o " +
+               folder.path().string());
+  CHECK(contents(folder.path() / "plan-1.svg").find("1 : 500</title>") != std::string::npos);
+}
+
 TEST_CASE("the drawing's curves are steps, broken at gaps") {
   const TemporaryFolder folder;
   run_tagsmith("plan surveys/drift/survey.yaml --rig surveys/drift/rig.yaml --to 12 -o " +
