@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/survey_views.hpp"
@@ -20,20 +22,16 @@ std::vector<SketchPoint> box(const Vector2d& corner, const Vector2d& opposite) {
   return {corner, Vector2d(opposite.x(), corner.y()), opposite, Vector2d(corner.x(), opposite.y())};
 }
 
-double floor_at(const Survey& survey, const PlacedTag& tag) {
-  return survey.tunnel.centerline.at(tag.chainage).position.z();
-}
-
 // A plate in the cross section: a thick line on its wall, from its upper to its lower edge.
 void draw_plate_edge(Sketch& sketch, const Survey& survey, const PlacedTag& tag) {
   const TagTemplate& plate = survey.tag_template;
   const double out = tag.side == Side::left ? -1 : 1;
   const double top = plate_outline(plate).y;
+  const double floor = survey.tunnel.centerline.at(tag.chainage).position.z();
   const auto in_section = [&](double down) {
     const Eigen::Vector3d point =
         tag.world_from_plate * Eigen::Vector3d(plate.frame_inner_length / 2, down, 0);
-    return Vector2d(survey.tunnel.centerline.locate(point.head<2>()).offset,
-                    point.z() - floor_at(survey, tag));
+    return Vector2d(survey.tunnel.centerline.locate(point.head<2>()).offset, point.z() - floor);
   };
   const double x = in_section(0).x();
   const double p = height_of_p(survey, tag);
@@ -170,6 +168,11 @@ void draw_ranges(SketchLayer& layer, const Rig& rig, const Tunnel& tunnel, doubl
 
 std::string metres(double length) { return format_number(length, 3); }
 
+std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_world) {
+  const Eigen::Vector3d p = grid_from_world(survey.grid, point_in_world);
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
+}
+
 std::optional<TagPair> first_pair(const Survey& survey) {
   for (std::size_t i = 1; i < survey.tags.size(); ++i) {
     const PlacedTag& left = survey.tags[i - 1];
@@ -222,22 +225,20 @@ DrawingView pair_plan(const Survey& survey, const TagPair& pair) {
   view.sketch = tunnel_plan(survey, strip);
   view.axes = plan_axes(survey, strip);
   const auto place = [&](const PlacedTag& tag) {
-    return Vector2d(strip.view_from_world * Vector2d(tag.world_from_plate.translation.head<2>()));
+    return strip.in_view(tag.world_from_plate.translation);
   };
   // Across the drive, whichever way the two walls lean.
   const Eigen::Vector3d facing =
       pair.right.world_from_plate.rotation.col(2) - pair.left.world_from_plate.rotation.col(2);
-  const Vector2d into_tunnel =
-      strip.view_from_world.linear() * Vector2d(facing.head<2>().normalized());
+  const Vector2d into_tunnel = strip.turned(facing).normalized();
   draw_pair_angle(view.sketch.layer("theta"), place(pair.left), place(pair.right), into_tunnel);
   // The width at the left plate, drawn beside the view.
   const double chainage = pair.left.chainage;
   const CenterlinePoint here = survey.tunnel.centerline.at(chainage);
   const Eigen::Vector3d beside = survey.tunnel.centerline.at(strip.from).position;
   const auto wall = [&](Side side) {
-    const Eigen::Vector3d at =
-        beside + wall_of(survey.tunnel, side).at(chainage) * right_of(here.heading);
-    return Vector2d(strip.view_from_world * Vector2d(at.head<2>()));
+    return strip.in_view(beside +
+                         wall_of(survey.tunnel, side).at(chainage) * right_of(here.heading));
   };
   view.sketch.layer("dimensions")
       .add(Dimension{.from = wall(Side::right),

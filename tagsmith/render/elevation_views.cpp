@@ -7,8 +7,6 @@
 #include <span>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/survey_views.hpp"
@@ -19,18 +17,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_world) {
-  const Eigen::Vector3d p = grid_from_world(survey.grid, point_in_world);
-  return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
-}
-
 // The start of the drive: a place, a direction and their text in the survey.
 void draw_start(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
   const CenterlinePoint start = survey.tunnel.centerline.at(0);
-  const Eigen::Rotation2Dd turn(strip.view_from_world.linear());
-  const Vector2d at = strip.view_from_world * Vector2d(start.position.head<2>());
-  const Vector2d along = turn * Vector2d(direction_of(start.heading).head<2>());
-  const Vector2d right = turn * Vector2d(right_of(start.heading).head<2>());
+  const Vector2d at = strip.in_view(start.position);
+  const Vector2d along = strip.turned(direction_of(start.heading));
+  const Vector2d right = strip.turned(right_of(start.heading));
   const SketchPoint from(at + right * width_at(survey.tunnel, 0) / 4);
   layer.add(Dot{at, 0.0007, colours::kBlue});
   layer.add(Arrow{from, {from.model, along * 0.016}, {colours::kBlue, kWide, {}}});
@@ -59,8 +51,7 @@ void draw_origin(SketchLayer& layer, const Survey& survey, const PlanStrip& stri
   layer.add(Arrow{origin, {origin, axes.x * 0.012}, {colours::kRed, kWide, {}}});
   layer.add(Arrow{origin, {origin, axes.y * 0.012}, {colours::kGreen, kWide, {}}});
   // Over the strip, which they would lengthen on its other side.
-  const Vector2d middle =
-      strip.view_from_world * Vector2d(line.at((strip.from + strip.to) / 2).position.head<2>());
+  const Vector2d middle = strip.in_view(line.at((strip.from + strip.to) / 2).position);
   const bool before = origin.x() < middle.x();
   layer.add(Words{.text = "origin of the grid",
                   .at = {origin, Vector2d(before ? 0.002 : -0.002, -0.0035)},
@@ -231,8 +222,7 @@ DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side si
   draw_wall(view.sketch, survey, strip, wall);
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : survey.tags) {
-    const bool inside = tag.chainage >= strip.from && tag.chainage < strip.to;
-    if (!inside || tag.side != side) continue;
+    if (!strip.has(tag) || tag.side != side) continue;
     tags.push_back(&tag);
     draw_plate(view.sketch, survey, wall, tag);
     const Vector2d middle = wall.on_plate(tag, plate_middle(survey.tag_template), 0);
@@ -257,13 +247,12 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
   const Unrolled wall(survey, strip, side);
   SketchLayer& layer = view.sketch.layer("dimensions");
   std::vector<SettingOut> along;  // from neighbour to neighbour, whatever the survey's order
-  for (const SettingOut& place : places) {
-    const bool inside = place.tag->chainage >= strip.from && place.tag->chainage < strip.to;
-    if (inside && place.tag->side == side) along.push_back(place);
-  }
+  std::ranges::copy_if(places, std::back_inserter(along), [&](const SettingOut& place) {
+    return strip.has(*place.tag) && place.tag->side == side;
+  });
   std::ranges::stable_sort(
       along, {}, [&](const SettingOut& place) { return wall.on_plate(*place.tag, 0, 0).x(); });
-  std::optional<Vector2d> last;
+  std::optional<Vector2d> last;  // foot
   const PlacedTag* last_tag = nullptr;
   for (const SettingOut& place : along) {
     const Vector2d p = wall.on_plate(*place.tag, 0, 0);

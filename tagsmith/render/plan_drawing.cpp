@@ -11,7 +11,6 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
-#include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/tunnel_surfaces.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
@@ -32,14 +31,11 @@ void draw_coverage(const Survey& survey, const DrivePlan& plan, const PlanStrip&
                    Sketch& sketch) {
   constexpr double kSag = 0.001;  // metres that straight pieces miss a bend by
   for (const ServiceRun& run : service_runs(plan, strip.from, strip.to)) {
-    Polyline line{{}, line_in(style_of(run.service).colour)};
     const double from = plan.columns[run.first].chainage;
     const double to = plan.columns[run.last].chainage;
-    for (const SidePoint& point : side_points(survey.tunnel.centerline, 0, from, to, kSag)) {
-      line.points.emplace_back(strip.view_from_world * Vector2d(point.position.head<2>()));
-    }
-    if (line.points.size() < 2) continue;
-    sketch.layer("coverage").add(std::move(line));
+    Polyline line{line_in_view(strip, survey.tunnel.centerline, 0, from, to, kSag),
+                  line_in(style_of(run.service).colour)};
+    if (line.points.size() > 1) sketch.layer("coverage").add(std::move(line));
   }
 }
 
@@ -58,7 +54,7 @@ void draw_fields(const std::vector<std::vector<Eigen::Vector3d>>& fields, const 
   for (const auto& field : fields) {
     Polyline outline{{}, {colours::kBlue, kNarrow, dashed()}, true};
     for (const Eigen::Vector3d& corner : field) {
-      outline.points.emplace_back(strip.view_from_world * Vector2d(corner.head<2>()));
+      outline.points.emplace_back(strip.in_view(corner));
     }
     sketch.layer("fields of view").add(std::move(outline));
   }

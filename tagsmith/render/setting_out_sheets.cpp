@@ -192,9 +192,8 @@ Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
     return setting_out_elevation(survey, strip, side, list);
   };
   const auto has_place = [&](const PlanStrip& strip) {
-    return std::ranges::any_of(list, [&](const SettingOut& place) {
-      return place.tag->chainage >= strip.from && place.tag->chainage < strip.to;
-    });
+    return std::ranges::any_of(list,
+                               [&](const SettingOut& place) { return strip.has(*place.tag); });
   };
   const DrawingPart part =
       drive_by_strips(survey, paper, elevation, {kSettingOutPitch, kLeastPlate}, has_place);

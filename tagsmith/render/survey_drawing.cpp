@@ -70,12 +70,11 @@ void add_tunnel_words(std::vector<std::string>& lines, const Survey& survey) {
   constexpr std::size_t kMostElements = 10;
   const Centerline& line = survey.tunnel.centerline;
   const CenterlinePoint start = line.at(0);
-  const Eigen::Vector3d p = grid_from_world(survey.grid, start.position);
-  lines.push_back(fmt::format(
-      "Center line: from ({:.3f}, {:.3f}, {:.3f}) on the floor, heading {}\u00b0, {} m long",
-      p.x() + 0.0, p.y() + 0.0, p.z() + 0.0,
-      format_number(degrees(grid_heading_from_world(survey.grid, start.heading)), 4),
-      metres(line.length())));
+  lines.push_back(
+      fmt::format("Center line: from {} on the floor, heading {}\u00b0, {} m long",
+                  point_text(survey, start.position),
+                  format_number(degrees(grid_heading_from_world(survey.grid, start.heading)), 4),
+                  metres(line.length())));
   const std::vector<std::string> elements = element_texts(line.elements());
   for (std::size_t i = 0; i < std::min(kMostElements, elements.size()); ++i) {
     lines.push_back("    " + elements[i]);

@@ -16,8 +16,10 @@
 
 namespace tagsmith::detail {
 
-// A length in words of a drawing: to the millimetre, without zeros at its end.
+// A length in words of a drawing: to the millimetre, without zeros at its end; a point as its
+// coordinates in the grid.
 std::string metres(double length);
+std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_world);
 
 // The plan and the elevation of each wall by strips, at a scale at which `least` can be read; only
 // the strips that are `wanted`, where that is given. The first plan shows the start of the drive

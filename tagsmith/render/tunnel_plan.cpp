@@ -24,29 +24,11 @@ constexpr double kStripOverhead = 0.032;    // names on both sides of the walls,
 constexpr double kAxesOverhead = 0.030;     // axes beside the strip, names that stand over its ends
 constexpr double kMostTurn = radians(150);  // of one strip: a tighter one would overlap itself
 
-Vector2d in_view(const PlanStrip& strip, const Eigen::Vector3d& point_in_world) {
-  return strip.view_from_world * Vector2d(point_in_world.head<2>());
-}
-
-Vector2d turned_to_view(const PlanStrip& strip, const Eigen::Vector3d& direction_in_world) {
-  return strip.view_from_world.linear() * Vector2d(direction_in_world.head<2>());
-}
-
-// A line beside the center line, `offset` metres to the right of the drive, in the world.
-std::vector<Eigen::Vector3d> beside(const Centerline& line, const ChainageProfile& offset,
-                                    const PlanStrip& strip) {
+// A line beside the center line all along the strip.
+std::vector<SketchPoint> beside(const Centerline& line, const ChainageProfile& offset,
+                                const PlanStrip& strip) {
   constexpr double kSagitta = 0.0005;
-  std::vector<Eigen::Vector3d> points;
-  for (const SidePoint& point : side_points(line, offset, strip.from, strip.to, kSagitta)) {
-    points.push_back(point.position);
-  }
-  return points;
-}
-
-std::vector<SketchPoint> in_view(const PlanStrip& strip, const std::vector<Eigen::Vector3d>& line) {
-  std::vector<SketchPoint> points;
-  for (const Eigen::Vector3d& point : line) points.emplace_back(in_view(strip, point));
-  return points;
+  return line_in_view(strip, line, offset, strip.from, strip.to, kSagitta);
 }
 
 PlanStrip make_strip(const Centerline& line, double from, double to) {
@@ -64,9 +46,9 @@ PlanStrip make_strip(const Centerline& line, double from, double to) {
 Vector2d extent_of(const Survey& survey, const PlanStrip& strip) {
   Eigen::AlignedBox2d box;
   for (const Side side : {Side::left, Side::right}) {
-    for (const Eigen::Vector3d& point :
+    for (const SketchPoint& point :
          beside(survey.tunnel.centerline, rock_of(survey.tunnel, side), strip)) {
-      box.extend(in_view(strip, point));
+      box.extend(point.model);
     }
   }
   return box.sizes();
@@ -128,8 +110,8 @@ std::vector<PlanStrip> cut_into_strips(const Survey& survey, double from, double
 
 void draw_tunnel(Sketch& sketch, const Survey& survey, const PlanStrip& strip) {
   const Centerline& line = survey.tunnel.centerline;
-  const auto left = in_view(strip, beside(line, rock_of(survey.tunnel, Side::left), strip));
-  const auto right = in_view(strip, beside(line, rock_of(survey.tunnel, Side::right), strip));
+  const auto left = beside(line, rock_of(survey.tunnel, Side::left), strip);
+  const auto right = beside(line, rock_of(survey.tunnel, Side::right), strip);
   std::vector<SketchPoint> floor = left;
   floor.insert(floor.end(), right.rbegin(), right.rend());
   sketch.layer("floor").add(Area{floor, {0.95, 0.95, 0.93}});
@@ -137,16 +119,15 @@ void draw_tunnel(Sketch& sketch, const Survey& survey, const PlanStrip& strip) {
     sketch.layer("walls").add(Polyline{wall, {.width = kWide}});
   }
   sketch.layer("centerline")
-      .add(Polyline{in_view(strip, beside(line, 0, strip)),
-                    {colours::kGrey, kNarrow, long_dashed_dotted()}});
+      .add(Polyline{beside(line, 0, strip), {colours::kGrey, kNarrow, long_dashed_dotted()}});
 }
 
 void draw_chainages(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
   for (const double chainage : plan_ticks(strip)) {
     const CenterlinePoint point = survey.tunnel.centerline.at(chainage);
-    const Vector2d at = in_view(strip, point.position);
-    const Vector2d across = turned_to_view(strip, right_of(point.heading));
-    const Vector2d along = turned_to_view(strip, direction_of(point.heading));
+    const Vector2d at = strip.in_view(point.position);
+    const Vector2d across = strip.turned(right_of(point.heading));
+    const Vector2d along = strip.turned(direction_of(point.heading));
     layer.add(
         Polyline{{{at, across * 0.001}, {at, across * -0.001}}, {colours::kBlue, kNarrow, {}}});
     layer.add(Words{.text = format_number(chainage, 3),
@@ -162,25 +143,25 @@ void draw_plate(SketchLayer& layer, const Survey& survey, const PlanStrip& strip
   const Pose& pose = tag.world_from_plate;
   const double left = plate_outline(survey.tag_template).x;
   const double right = left + survey.tag_template.plate_length;
-  const Vector2d from = in_view(strip, pose * Eigen::Vector3d(left, 0, 0));
-  const Vector2d to = in_view(strip, pose * Eigen::Vector3d(right, 0, 0));
+  const Vector2d from = strip.in_view(pose * Eigen::Vector3d(left, 0, 0));
+  const Vector2d to = strip.in_view(pose * Eigen::Vector3d(right, 0, 0));
   const Vector2d middle = (from + to) / 2;
-  const Vector2d along = turned_to_view(strip, pose.rotation.col(0));
-  const Vector2d into_rock = turned_to_view(strip, pose.rotation.col(2));
+  const Vector2d along = strip.turned(pose.rotation.col(0));
+  const Vector2d into_rock = strip.turned(pose.rotation.col(2));
   const Vector2d back = into_rock * kPlateThickness;
   layer.add(Area{{from, to, {to, back}, {from, back}}, colours::kBlack});
   // Points the way the plate faces.
   layer.add(
       Area{{{middle, along * 0.0007}, {middle, along * -0.0007}, {middle, into_rock * -0.0016}},
            colours::kOrange});
-  layer.add(Dot{in_view(strip, pose.translation), 0.0004, colours::kRed});
+  layer.add(Dot{strip.in_view(pose.translation), 0.0004, colours::kRed});
 }
 
 Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag) {
   const Pose& pose = tag.world_from_plate;
   const Vector2d middle =
-      in_view(strip, pose * Eigen::Vector3d(plate_middle(survey.tag_template), 0, 0));
-  const Vector2d outward = turned_to_view(strip, pose.rotation.col(2)).normalized();
+      strip.in_view(pose * Eigen::Vector3d(plate_middle(survey.tag_template), 0, 0));
+  const Vector2d outward = strip.turned(pose.rotation.col(2)).normalized();
   const double angle = std::atan2(outward.y(), outward.x());
   // Readable from the right rather than turned upside down by a bend of the wall.
   const bool upside_down = angle > radians(105) || angle <= radians(-75);
@@ -213,6 +194,24 @@ double tight_gap(const Survey& survey) {
 }
 
 }  // namespace
+
+Vector2d PlanStrip::in_view(const Eigen::Vector3d& point) const {
+  return view_from_world * Vector2d(point.head<2>());
+}
+
+Vector2d PlanStrip::turned(const Eigen::Vector3d& direction) const {
+  return view_from_world.linear() * Vector2d(direction.head<2>());
+}
+
+std::vector<SketchPoint> line_in_view(const PlanStrip& strip, const Centerline& line,
+                                      const ChainageProfile& offset, double from, double to,
+                                      double sag) {
+  std::vector<SketchPoint> points;
+  for (const SidePoint& point : side_points(line, offset, from, to, sag)) {
+    points.emplace_back(strip.in_view(point.position));
+  }
+  return points;
+}
 
 double coarsest_plan_scale(const Survey& survey, const PlanLegibility& least) {
   const double by_names = tight_gap(survey) / least.name_pitch;
@@ -263,8 +262,7 @@ Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip) {
   draw_tunnel(sketch, survey, strip);
   draw_chainages(sketch.layer("centerline"), survey, strip);
   for (const PlacedTag& tag : survey.tags) {
-    const bool inside = tag.chainage >= strip.from && tag.chainage < strip.to;
-    if (!inside) continue;
+    if (!strip.has(tag)) continue;
     draw_plate(sketch.layer("tags"), survey, strip, tag);
     sketch.layer("names").add(name_of(survey, strip, tag));
   }
@@ -273,8 +271,8 @@ Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip) {
 
 ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip) {
   ViewAxes axes;
-  axes.x = turned_to_view(strip, world_from_grid(survey.grid, {1, 0, 0}));
-  axes.y = turned_to_view(strip, world_from_grid(survey.grid, {0, 1, 0}));
+  axes.x = strip.turned(world_from_grid(survey.grid, {1, 0, 0}));
+  axes.y = strip.turned(world_from_grid(survey.grid, {0, 1, 0}));
   return axes;
 }
 

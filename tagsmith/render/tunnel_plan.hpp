@@ -19,7 +19,19 @@ struct PlanStrip {
   double from = 0;  // chainage
   double to = 0;
   Eigen::Isometry2d view_from_world = Eigen::Isometry2d::Identity();
+
+  // A point, and a direction, of the world as the view shows it.
+  Eigen::Vector2d in_view(const Eigen::Vector3d& point) const;
+  Eigen::Vector2d turned(const Eigen::Vector3d& direction) const;
+
+  bool has(const PlacedTag& tag) const { return tag.chainage >= from && tag.chainage < to; }
 };
+
+// The line `offset` metres to the right of the center line as the strip's view shows it, in
+// straight pieces that miss it by at most `sag` metres.
+std::vector<SketchPoint> line_in_view(const PlanStrip& strip, const Centerline& line,
+                                      const ChainageProfile& offset, double from, double to,
+                                      double sag);
 
 // The sizes at which a plan can be read, metres on paper.
 struct PlanLegibility {
