@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <fstream>
+#include <initializer_list>
 #include <optional>
 #include <zlib.h>
 
@@ -20,25 +21,19 @@ constexpr std::uint16_t kDeflated = 8;
 constexpr std::uint32_t kNoTime = (1U << 5U | 1U)
                                   << 16U;  // 1 January 1980, the earliest possible date
 
-// Little-endian numbers.
-class Bytes {
- public:
-  Bytes& two(std::uint64_t value) { return number(value, 2); }
-  Bytes& four(std::uint64_t value) { return number(value, 4); }
-  Bytes& text(const std::string& value) {
-    bytes_ += value;
-    return *this;
-  }
-  const std::string& str() const { return bytes_; }
-
- private:
-  Bytes& number(std::uint64_t value, int count) {
-    for (int i = 0; i < count; ++i) bytes_ += static_cast<char>(value >> (8 * i) & 0xffU);
-    return *this;
-  }
-
-  std::string bytes_;
+// A number of so many bytes, the lowest first.
+struct Number {
+  std::uint64_t value;
+  int bytes;
 };
+
+std::string bytes_of(std::initializer_list<Number> numbers) {
+  std::string result;
+  for (const auto& [value, bytes] : numbers) {
+    for (int i = 0; i < bytes; ++i) result += static_cast<char>(value >> (8 * i) & 0xffU);
+  }
+  return result;
+}
 
 // Without zlib's own head and sum (RFC 1951).
 std::optional<std::string> raw_deflated(const std::string& bytes) {
@@ -62,17 +57,15 @@ std::optional<std::string> raw_deflated(const std::string& bytes) {
 std::string description(const std::string& name, const std::string& bytes, std::size_t packed) {
   const auto sum = crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(bytes.data()),
                          static_cast<uInt>(bytes.size()));
-  return Bytes()
-      .two(kVersion)
-      .two(kUtf8Names)
-      .two(kDeflated)
-      .four(kNoTime)
-      .four(sum)
-      .four(packed)
-      .four(bytes.size())
-      .two(name.size())
-      .two(0)
-      .str();
+  return bytes_of({{kVersion, 2},
+                   {kUtf8Names, 2},
+                   {kDeflated, 2},
+                   {kNoTime, 4},
+                   {sum, 4},
+                   {packed, 4},
+                   {bytes.size(), 4},
+                   {name.size(), 2},
+                   {0, 2}});
 }
 
 }  // namespace
@@ -95,33 +88,21 @@ Result<void> write_zip(const std::filesystem::path& path, std::span<const ZipEnt
     const std::optional<std::string> packed = raw_deflated(*bytes);
     if (!packed) return fail(path.string() + ": " + entry.name + " cannot be compressed");
     const std::string described = description(entry.name, *bytes, packed->size());
-    directory += Bytes()
-                     .text("PK\1\2")
-                     .two(kVersion)
-                     .text(described)
-                     .two(0)
-                     .two(0)
-                     .two(0)
-                     .four(0)
-                     .four(position)
-                     .text(entry.name)
-                     .str();
+    directory += "PK\1\2" + bytes_of({{kVersion, 2}}) + described +
+                 bytes_of({{0, 2}, {0, 2}, {0, 2}, {0, 4}, {position, 4}}) + entry.name;
     put("PK\3\4" + described + entry.name);
     put(*packed);
     if (position + directory.size() > kMostInAll) return fail(too_much);
   }
   const std::uint64_t start = position;
   put(directory);
-  put(Bytes()
-          .text("PK\5\6")
-          .two(0)
-          .two(0)
-          .two(entries.size())
-          .two(entries.size())
-          .four(directory.size())
-          .four(start)
-          .two(0)
-          .str());
+  put("PK\5\6" + bytes_of({{0, 2},
+                           {0, 2},
+                           {entries.size(), 2},
+                           {entries.size(), 2},
+                           {directory.size(), 4},
+                           {start, 4},
+                           {0, 2}}));
   stream.close();
   return stream ? Result<void>{} : fail(path.string() + ": cannot be written, is the disk full?");
 }
