@@ -19,36 +19,26 @@ double crop_gap(double bleed) { return std::max(kLeastCropGap, bleed); }
 
 std::string scale_bar_text() { return format_number(kScaleBarLength * 1000) + " mm"; }
 
-// The nominal length lies between the middles of the end ticks.
-void add_horizontal_scale_bar(Page& page, double y) {
-  const double left = (page.width - kScaleBarLength) / 2;
-  const double right = left + kScaleBarLength;
-  page.lines.push_back({{left, y}, {right, y}});
-  for (const double x : {left, right}) {
-    page.lines.push_back({{x, y - kTickLength / 2}, {x, y + kTickLength / 2}});
+// Along a line through its middle, across the page or down it. The nominal length lies between the
+// middles of the end ticks.
+void add_scale_bar(Page& page, const PlatePoint& middle, bool upright) {
+  const auto at = [&](double along, double aside) {
+    return upright ? PlatePoint{middle.x + aside, middle.y + along}
+                   : PlatePoint{middle.x + along, middle.y + aside};
+  };
+  constexpr double kEnd = kScaleBarLength / 2;
+  page.lines.push_back({at(-kEnd, 0), at(kEnd, 0)});
+  for (const double end : {-kEnd, kEnd}) {
+    page.lines.push_back({at(end, -kTickLength / 2), at(end, kTickLength / 2)});
   }
+  const PlatePoint text = at(0, (upright ? 1.6 : -0.6) * kNoteHeight);
   page.texts.push_back({.text = scale_bar_text(),
-                        .x = page.width / 2,
-                        .y = y - 0.6 * kNoteHeight,
-                        .height = kNoteHeight,
-                        .max_width = kScaleBarLength,
-                        .centred = true});
-}
-
-void add_vertical_scale_bar(Page& page, double x) {
-  const double top = (page.height - kScaleBarLength) / 2;
-  const double bottom = top + kScaleBarLength;
-  page.lines.push_back({{x, top}, {x, bottom}});
-  for (const double y : {top, bottom}) {
-    page.lines.push_back({{x - kTickLength / 2, y}, {x + kTickLength / 2, y}});
-  }
-  page.texts.push_back({.text = scale_bar_text(),
-                        .x = x + 1.6 * kNoteHeight,
-                        .y = page.height / 2,
+                        .x = text.x,
+                        .y = text.y,
                         .height = kNoteHeight,
                         .max_width = kScaleBarLength,
                         .centred = true,
-                        .upwards = true});
+                        .upwards = upright});
 }
 
 // Two lines over the whole page, the others between the crop marks.
@@ -126,8 +116,8 @@ void add_crop_marks(Page& page, const Rectangle& plate, double gap, double lengt
 }
 
 void add_scale_bars(Page& page, double x, double y) {
-  add_horizontal_scale_bar(page, y);
-  add_vertical_scale_bar(page, x);
+  add_scale_bar(page, {page.width / 2, y}, false);
+  add_scale_bar(page, {x, page.height / 2}, true);
 }
 
 Page lay_out_page(const std::string& name, const TagDrawing& tag, const PageNotes& notes,
