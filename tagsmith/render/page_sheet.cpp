@@ -111,7 +111,7 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   }
   if (tag.logo && !tag.logo->outlines.empty()) layer("logo") = {area_of(tag.logo->outlines)};
   if (tag.patches) {
-    layer("patches") = {SheetArea{{rectangle_outline(tag.patches->black)}},
+    layer("patches") = {area_of(tag.patches->black),
                         SheetLine{rectangle_outline(tag.patches->white), line, true}};
   }
   auto& holes = layer("drill-holes");
@@ -133,9 +133,7 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
     layers.insert(layers.begin(), {"ground", {SheetArea{{rounded(ground, radius)}}}});
   }
   if (tag.qr && !tag.qr->modules.empty()) {
-    layers.push_back(
-        {"qr",
-         {SheetArea{{rectangle_outline(tag.qr->box)}, colours::kWhite}, area_of(tag.qr->modules)}});
+    layers.push_back({"qr", {area_of(tag.qr->box, colours::kWhite), area_of(tag.qr->modules)}});
   }
   return layers;
 }
@@ -203,6 +201,10 @@ Sheet sheet_of(const Page& page, bool with_contour) {
   for (const TextItem& item : page.texts) notes.items.push_back(text(item));
   sheet.layers.push_back(std::move(notes));
   return sheet;
+}
+
+SheetArea area_of(const Rectangle& rectangle, const Colour& fill) {
+  return {{rectangle_outline(rectangle)}, fill};
 }
 
 Sheet scaled(Sheet sheet, double right, double down) {

@@ -13,6 +13,9 @@ namespace tagsmith::detail {
 // layer CutContour; without it holes are circles for drilling.
 Sheet sheet_of(const Page& page, bool with_contour = true);
 
+// The inside of a rectangle of the page.
+SheetArea area_of(const Rectangle& rectangle, const Colour& fill = colours::kBlack);
+
 // The sheet's content larger or smaller about the upper left corner of the paper, which keeps its
 // size, as do letters and line widths.
 Sheet scaled(Sheet sheet, double right, double down);

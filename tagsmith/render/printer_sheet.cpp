@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kUnprinted = 0.005;  // what office printers leave blank
 
-SheetArea filled(const Rectangle& r, const Colour& fill) {
-  SheetArea area{{{}}, fill};
-  for (const auto& [x, y] : corners_of(r)) area.outlines.front().emplace_back(x, y);
-  return area;
-}
-
 Rectangle moved(const Rectangle& r, const PlatePoint& by) {
   return {r.x + by.x, r.y + by.y, r.width, r.height};
 }
@@ -78,20 +72,17 @@ Result<Sheet> printer_sheet(const PrintPaper& paper, const PrinterProfile& profi
   const double adjustment = bar_adjustment_for(profile, false);
   Sheet sheet = sheet_of(page_of(test, paper, corner, adjustment));
   SheetLayer bars{"width-steps", {}};
-  for (const Rectangle& bar : test.upright) {
-    Rectangle drawn = moved(bar, {corner.x - adjustment / 2, corner.y});
-    drawn.width += adjustment;
-    if (drawn.width > 0) bars.items.push_back(filled(drawn, colours::kBlack));
-  }
-  for (const Rectangle& bar : test.lying) {
-    Rectangle drawn = moved(bar, {corner.x, corner.y - adjustment / 2});
-    drawn.height += adjustment;
-    if (drawn.height > 0) bars.items.push_back(filled(drawn, colours::kBlack));
-  }
+  const auto add_bar = [&](const Rectangle& bar, double wider, double higher) {
+    const Rectangle drawn{bar.x + corner.x - wider / 2, bar.y + corner.y - higher / 2,
+                          bar.width + wider, bar.height + higher};
+    if (drawn.width > 0 && drawn.height > 0) bars.items.push_back(area_of(drawn));
+  };
+  for (const Rectangle& bar : test.upright) add_bar(bar, adjustment, 0);
+  for (const Rectangle& bar : test.lying) add_bar(bar, 0, adjustment);
   SheetLayer tones{"tones", {}};
   for (const TonePatch& tone : test.tones) {
     const double grey = 1 - tone.cover;
-    tones.items.push_back(filled(moved(tone.square, corner), {grey, grey, grey}));
+    tones.items.push_back(area_of(moved(tone.square, corner), {grey, grey, grey}));
   }
   sheet.layers.push_back(std::move(bars));
   sheet.layers.push_back(std::move(tones));
