@@ -4,13 +4,14 @@
 #include <array>
 #include <cairo.h>
 #include <charconv>
-#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <lcms2.h>
 #include <memory>
 #include <string_view>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
@@ -41,17 +42,9 @@ std::string description_of(cmsHPROFILE profile) {
 std::string date_now() {
   std::time_t time = std::time(nullptr);
   if (const char* fixed = std::getenv("SOURCE_DATE_EPOCH"); fixed != nullptr) {
-    std::int64_t seconds = 0;
-    const std::string_view text = fixed;
-    if (std::from_chars(text.data(), text.data() + text.size(), seconds).ec == std::errc{}) {
-      time = static_cast<std::time_t>(seconds);
-    }
+    std::from_chars(fixed, fixed + std::strlen(fixed), time);
   }
-  std::tm utc{};
-  gmtime_r(&time, &utc);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text.data();
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(time));
 }
 
 std::string uuid_of(const std::string& id) {

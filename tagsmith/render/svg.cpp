@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/text.hpp"
@@ -18,13 +20,9 @@ using Points = std::vector<Eigen::Vector2d>;
 std::string mm(double metres) { return mm_text(metres, 5); }
 
 std::string colour(std::string_view attribute, const Colour& colour) {
-  constexpr std::string_view kHex = "0123456789abcdef";
-  std::string text = " " + std::string(attribute) + "=\"#";
-  for (const double share : {colour.red, colour.green, colour.blue}) {
-    const auto level = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * 255));
-    text += {kHex[level / 16], kHex[level % 16]};
-  }
-  return text + "\"";
+  const auto level = [](double share) { return std::lround(std::clamp(share, 0.0, 1.0) * 255); };
+  return fmt::format(" {}=\"#{:02x}{:02x}{:02x}\"", attribute, level(colour.red),
+                     level(colour.green), level(colour.blue));
 }
 
 std::string path_data(const Points& points, bool closed) {
