@@ -24,19 +24,6 @@ Vector2d pinhole(const Camera& camera, const Vector3d& point) {
           camera.fy * point.y() / point.z() + camera.cy};
 }
 
-// Whatever model the camera has: true when it acts as a pinhole all over the image.
-bool acts_as_pinhole(const Camera& camera) {
-  for (int y = 0; y <= 4; ++y) {
-    for (int x = 0; x <= 4; ++x) {
-      const Vector3d ray((camera.width * x / 4.0 - camera.cx) / camera.fx,
-                         (camera.height * y / 4.0 - camera.cy) / camera.fy, 1);
-      const std::optional<Vector2d> pixel = project(camera, ray);
-      if (!pixel || (*pixel - pinhole(camera, ray)).norm() > 1e-9 * camera.width) return false;
-    }
-  }
-  return true;
-}
-
 // The most pixels that a radian takes in this direction from the camera.
 double px_per_radian(const Camera& camera, const Vector3d& direction) {
   const std::optional<Projection> projection =
@@ -169,7 +156,7 @@ SightModel::Plate SightModel::make_plate(const PlacedTag& placed) const {
 SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
   const Camera& camera = rig_camera.camera;
   Lens lens;
-  lens.is_pinhole = acts_as_pinhole(camera);
+  lens.is_pinhole = is_rectilinear(camera);
   const Pose camera_from_vehicle = inverse(rig_camera.vehicle_from_camera);
   lens.camera_from_vehicle = camera_from_vehicle.rotation;
   lens.vehicle_in_camera = camera_from_vehicle.translation;
