@@ -28,23 +28,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBlockLength = 0.25;  // metres
 constexpr std::size_t kMostInBlock = 256;
 
-// How the vehicle deviates from the nominal pose.
-struct Stray {
-  double lateral = 0;  // to the right
-  double yaw = 0;      // to the right
-  double roll = 0;
-  double pitch = 0;
-
-  bool is_nominal() const { return lateral == 0 && yaw == 0 && roll == 0 && pitch == 0; }
-};
-
-// Deviations that share one attitude share the list of candidates.
+// How the vehicle stands in one attitude: in the middle of the drive, and wherever it may stray
+// across. All of these share the list of candidates.
 struct Attitude {
-  double yaw = 0;
-  double roll = 0;
-  double pitch = 0;
-  std::vector<Stray> strays;
+  FloorStance middle;
+  std::vector<FloorStance> strays;
 };
+
+bool is_nominal(const FloorStance& stance) {
+  return stance.lateral == 0 && stance.yaw == 0 && stance.roll == 0 && stance.pitch == 0;
+}
 
 // `count` values from -most to most, 0 among them.
 std::vector<double> spread(double most, int count) {
@@ -55,7 +48,8 @@ std::vector<double> spread(double most, int count) {
   return values;
 }
 
-std::vector<Attitude> attitudes(const VehicleEnvelope& envelope, const PlanOptions& options) {
+std::vector<Attitude> attitudes(const Rig& rig, const PlanOptions& options) {
+  const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
   std::vector<std::pair<double, double>> tilts{{0, 0}};  // roll, pitch
   for (const double side : {-1.0, 1.0}) {
     if (envelope.roll > 0) tilts.emplace_back(side * envelope.roll, 0);
@@ -64,18 +58,14 @@ std::vector<Attitude> attitudes(const VehicleEnvelope& envelope, const PlanOptio
   std::vector<Attitude> all;
   for (const double yaw : spread(envelope.yaw, options.headings)) {
     for (const auto& [roll, pitch] : tilts) {
-      Attitude attitude{yaw, roll, pitch, {}};
+      Attitude attitude{{rig.vehicle_height, 0, yaw, pitch, roll}, {}};
       for (const double lateral : spread(envelope.lateral, options.lateral_offsets)) {
-        attitude.strays.push_back({lateral, yaw, roll, pitch});
+        attitude.strays.push_back({rig.vehicle_height, lateral, yaw, pitch, roll});
       }
       all.push_back(std::move(attitude));
     }
   }
   return all;
-}
-
-FloorStance stance_of(const Rig& rig, const Stray& stray) {
-  return {rig.vehicle_height, stray.lateral, stray.yaw, stray.pitch, stray.roll};
 }
 
 // How far apart the angles of the floor's slopes are over a stretch.
@@ -130,11 +120,8 @@ struct Walls {
 
   void add(Side side) { (side == Side::left ? left : right) = true; }
   void count(WallCount& counts) const {
-    if (left && right) {
-      ++counts.both;
-    } else if (left || right) {
-      ++counts.one;
-    }
+    counts.both += left && right ? 1 : 0;
+    counts.one += left != right ? 1 : 0;
   }
 };
 
@@ -163,7 +150,7 @@ class Sweep {
         options_(options),
         plan_(plan),
         model_(survey, rig),
-        attitudes_(attitudes(rig.envelope.value_or(VehicleEnvelope{}), options)),
+        attitudes_(attitudes(rig, options)),
         accuracy_{options.corner_sigma_px, plan.speed} {
     for (const RigCamera& camera : rig.cameras) {
       moved_.push_back(plan.speed * camera.exposure.value_or(0));
@@ -201,8 +188,7 @@ class Sweep {
     scratch.candidates.resize(attitudes_.size() * rig_.cameras.size());
     std::size_t list = 0;
     for (const Attitude& attitude : attitudes_) {
-      const Stray stray{0, attitude.yaw, attitude.roll, attitude.pitch};
-      const Pose pose = world_from_vehicle(vehicle_on_floor(middle, stance_of(rig_, stray)));
+      const Pose pose = world_from_vehicle(vehicle_on_floor(middle, attitude.middle));
       for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera, ++list) {
         const CameraStand stand = model_.stand(camera, pose, middle.curvature);
         scratch.candidates[list].clear();
@@ -223,8 +209,8 @@ class Sweep {
     column.least_tags = std::numeric_limits<int>::max();
     const std::size_t first_sole = result.sole_tags.size();
     for (std::size_t a = 0; a < attitudes_.size(); ++a) {
-      for (const Stray& stray : attitudes_[a].strays) {
-        const VehiclePose pose = vehicle_on_floor(point, stance_of(rig_, stray));
+      for (const FloorStance& stance : attitudes_[a].strays) {
+        const VehiclePose pose = vehicle_on_floor(point, stance);
         const VehicleFrame vehicle = vehicle_frame(pose);
         look(vehicle.world_from_vehicle, point.curvature, a, around, scratch);
         count_sights(column, scratch);
@@ -232,8 +218,8 @@ class Sweep {
           ++column.confirmed;
         }
         note_sole_tag(index, first_sole, scratch, result);
-        if (stray.is_nominal()) note_uses(column.chainage, scratch, result);
-        if (options_.accuracy) expect(column, point, pose, vehicle, stray.is_nominal(), scratch);
+        if (is_nominal(stance)) note_uses(column.chainage, scratch, result);
+        if (options_.accuracy) expect(column, point, pose, vehicle, is_nominal(stance), scratch);
       }
     }
   }
