@@ -184,7 +184,7 @@ class Sweep {
     const double lateral = rig_.envelope ? rig_.envelope->lateral : 0;
     const double slack = std::hypot(half, lateral) + turn * arm_length(rig_);
     const double reach = model_.reach() + arm_length(rig_) + slack;
-    const auto [from, to] = model_.tags_between(first - reach, last + reach);
+    const std::span<const std::size_t> near = model_.tags_between(first - reach, last + reach);
     scratch.candidates.resize(attitudes_.size() * rig_.cameras.size());
     std::size_t list = 0;
     for (const Attitude& attitude : attitudes_) {
@@ -192,12 +192,9 @@ class Sweep {
       for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera, ++list) {
         const CameraStand stand = model_.stand(camera, pose, middle.curvature);
         scratch.candidates[list].clear();
-        for (std::size_t i = from; i < to; ++i) {
-          const std::size_t tag = model_.tags_by_chainage()[i];
-          if (model_.may_see(camera, stand, tag, slack, turn)) {
-            scratch.candidates[list].push_back(tag);
-          }
-        }
+        std::ranges::copy_if(
+            near, std::back_inserter(scratch.candidates[list]),
+            [&](std::size_t tag) { return model_.may_see(camera, stand, tag, slack, turn); });
       }
     }
   }

@@ -117,7 +117,6 @@ SightModel::SightModel(const Survey& survey, const Rig& rig, ReadShare share)
   order_.resize(plates_.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});
   std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return survey.tags[i].chainage; });
-  for (const std::size_t i : order_) chainages_.push_back(survey.tags[i].chainage);
   for (const RigCamera& camera : rig.cameras) {
     lenses_.push_back(make_lens(camera));
     reach_ = std::max(reach_, lenses_.back().magnification * module_ / book_.least_module_px());
@@ -201,11 +200,10 @@ CameraStand SightModel::stand(std::size_t camera, const Pose& world_from_vehicle
   return stand;
 }
 
-std::pair<std::size_t, std::size_t> SightModel::tags_between(double low, double high) const {
-  const auto begin = std::ranges::lower_bound(chainages_, low);
-  const auto end = std::upper_bound(begin, chainages_.end(), high);
-  return {static_cast<std::size_t>(begin - chainages_.begin()),
-          static_cast<std::size_t>(end - chainages_.begin())};
+std::span<const std::size_t> SightModel::tags_between(double low, double high) const {
+  const auto chainage = [&](std::size_t tag) { return survey_->tags[tag].chainage; };
+  const auto begin = std::ranges::lower_bound(order_, low, {}, chainage);
+  return {begin, std::ranges::upper_bound(begin, order_.end(), high, {}, chainage)};
 }
 
 // True when a wall may hide a tag: the center line bends there, or the walls do not run straight
@@ -223,9 +221,8 @@ bool SightModel::may_be_hidden_between(double low, double high) const {
 // How far behind the plates' planes the walls stand there, as wall_standoff.
 double SightModel::standoff_between(double low, double high) const {
   double farthest = 0;
-  const auto [begin, end] = tags_between(low, high);
-  for (std::size_t i = begin; i < end; ++i) {
-    farthest = std::max(farthest, plates_[order_[i]].depth);
+  for (const std::size_t tag : tags_between(low, high)) {
+    farthest = std::max(farthest, plates_[tag].depth);
   }
   return standoff_behind(farthest);
 }
@@ -240,11 +237,9 @@ Surroundings SightModel::surroundings(double first, double last) const {
   }
   const FloorAndRoof floor_and_roof(survey_->tunnel, middle, reach);
   if (!floor_and_roof.is_even()) around.floor_and_roof = floor_and_roof;
-  const auto [begin, end] = tags_between(first - reach, last + reach);
-  std::copy_if(order_.begin() + static_cast<std::ptrdiff_t>(begin),
-               order_.begin() + static_cast<std::ptrdiff_t>(end),
-               std::back_inserter(around.standing_out),
-               [&](std::size_t tag) { return plates_[tag].stands_out; });
+  std::ranges::copy_if(tags_between(first - reach, last + reach),
+                       std::back_inserter(around.standing_out),
+                       [&](std::size_t tag) { return plates_[tag].stands_out; });
   return around;
 }
 

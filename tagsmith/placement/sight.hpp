@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -99,8 +100,8 @@ class SightModel {
   // Indices in survey.tags by chainage.
   const std::vector<std::size_t>& tags_by_chainage() const { return order_; }
 
-  // The part of tags_by_chainage() that lies in [low, high], as begin and end.
-  std::pair<std::size_t, std::size_t> tags_between(double low, double high) const;
+  // Those of them in [low, high].
+  std::span<const std::size_t> tags_between(double low, double high) const;
 
   // The surfaces that may hide a tag from a vehicle between these chainages.
   Surroundings surroundings(double first, double last) const;
@@ -157,7 +158,6 @@ class SightModel {
   std::vector<Plate> plates_;
   std::vector<Lens> lenses_;
   std::vector<std::size_t> order_;
-  std::vector<double> chainages_;  // of order_
   double module_ = 0;
   double half_length_ = 0;  // of the feature frame's inner edge
   double half_height_ = 0;

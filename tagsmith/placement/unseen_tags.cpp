@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "tagsmith/geometry/vehicle_stance.hpp"
@@ -41,6 +42,8 @@ class Search {
         envelope_(rig.envelope.value_or(VehicleEnvelope{})),
         stances_(stances(rig, envelope_)),
         arm_(arm_length(rig)) {}
+
+  const std::vector<std::size_t>& tags_by_chainage() const { return model_.tags_by_chainage(); }
 
   bool sees(std::size_t tag) {
     const double chainage = survey_.tags[tag].chainage;
@@ -99,15 +102,10 @@ class Search {
 }  // namespace
 
 std::vector<std::size_t> unseen_tags(const Survey& survey, const Rig& rig) {
-  std::vector<std::size_t> unseen;
-  if (survey.tags.empty()) return unseen;
   Search search(survey, rig);
-  std::vector<std::size_t> along(survey.tags.size());
-  for (std::size_t i = 0; i < along.size(); ++i) along[i] = i;
-  std::ranges::stable_sort(along, {}, [&](std::size_t i) { return survey.tags[i].chainage; });
-  for (const std::size_t i : along) {
-    if (!search.sees(i)) unseen.push_back(i);
-  }
+  std::vector<std::size_t> unseen;
+  std::ranges::copy_if(search.tags_by_chainage(), std::back_inserter(unseen),
+                       [&](std::size_t tag) { return !search.sees(tag); });
   std::ranges::sort(unseen);
   return unseen;
 }

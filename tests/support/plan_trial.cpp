@@ -38,13 +38,12 @@ std::vector<PlateSight> read_sights(const SightModel& model, const VehiclePose& 
   const double chainage = survey.tunnel.centerline.locate(pose.position.head<2>()).chainage;
   const double reach = model.reach();
   const Surroundings around = model.surroundings(chainage, chainage);
-  const auto [from, to] = model.tags_between(chainage - reach, chainage + reach);
   std::vector<PlateSight> sights;
   for (std::size_t camera = 0; camera < model.rig().cameras.size(); ++camera) {
     const double moved = speed * model.rig().cameras[camera].exposure.value_or(0);
     const CameraStand stand = model.stand(camera, world_from_vehicle(pose), 0);
-    for (std::size_t i = from; i < to; ++i) {
-      const auto sight = model.look(camera, stand, model.tags_by_chainage()[i], around);
+    for (const std::size_t tag : model.tags_between(chainage - reach, chainage + reach)) {
+      const auto sight = model.look(camera, stand, tag, around);
       if (sight && sight->travel_book >= moved) sights.push_back(*sight);
     }
   }
