@@ -36,10 +36,15 @@ double mix(double low, double high, double share) {
   return share == 0 ? low : (1 - share) * low + share * high;
 }
 
-// Over the incidences at one column of blurs.
-double at_incidence(bool code_book, const Between& row, std::size_t blur, ReadShare share) {
-  const auto& table =
-      (share == ReadShare::reliable ? kReliableModulePx : kHalfModulePx)[code_book ? 1 : 0];
+const auto& table_of(bool code_book, ReadShare share) {
+  return (share == ReadShare::reliable ? kReliableModulePx : kHalfModulePx)[code_book ? 1 : 0];
+}
+
+// The table's value at an entry of its blurs.
+template <class Table>
+double at_incidence(const Table& table, double incidence, std::size_t blur) {
+  if (!(incidence <= radians(kIncidencesDeg.back()))) return kNever;
+  const Between row = between(kIncidencesDeg, degrees(incidence));
   return mix(table[row.low][blur], table[row.high][blur], row.share);
 }
 
@@ -47,13 +52,11 @@ double at_incidence(bool code_book, const Between& row, std::size_t blur, ReadSh
 
 // Why: docs/decisions/0012-planning.md.
 double least_module_px(bool code_book, double incidence, double blur_px, ReadShare share) {
-  if (!(incidence <= radians(kIncidencesDeg.back())) || !(blur_px <= kBlursPx.back())) {
-    return kNever;
-  }
-  const Between row = between(kIncidencesDeg, degrees(incidence));
+  if (!(blur_px <= kBlursPx.back())) return kNever;
+  const auto& table = table_of(code_book, share);
   const Between column = between(kBlursPx, blur_px);
-  return mix(at_incidence(code_book, row, column.low, share),
-             at_incidence(code_book, row, column.high, share), column.share);
+  return mix(at_incidence(table, incidence, column.low),
+             at_incidence(table, incidence, column.high), column.share);
 }
 
 double frame_share(const TagTemplate& tag, double foreshortening) {
@@ -84,20 +87,12 @@ double corner_sigma_px(double module_px, double blur_px) {
   return std::exp(mix(along(row.low), along(row.high), share));
 }
 
-BlurLimits::BlurLimits(bool code_book, ReadShare share)
-    : BlurLimits(LeastModule([=](double incidence, std::size_t blur) {
-        return tagsmith::detail::least_module_px(code_book, incidence, kBlursPx[blur], share);
-      })) {}
+BlurLimits::BlurLimits(bool code_book, ReadShare share) : BlurLimits(table_of(code_book, share)) {}
 
-BlurLimits BlurLimits::of_parts() {
-  return BlurLimits(LeastModule([](double incidence, std::size_t blur) {
-    if (!(incidence <= radians(kIncidencesDeg.back()))) return kNever;
-    const Between row = between(kIncidencesDeg, degrees(incidence));
-    return mix(kPartModulePx[row.low][blur], kPartModulePx[row.high][blur], row.share);
-  }));
-}
+BlurLimits BlurLimits::of_parts() { return BlurLimits(kPartModulePx); }
 
-BlurLimits::BlurLimits(const LeastModule& least_module) : rows_(kCosines + 1), least_(kNever) {
+template <class Table>
+BlurLimits::BlurLimits(const Table& table) : rows_(kCosines + 1), least_(kNever) {
   static_assert(kBlursPx.size() <= std::tuple_size_v<decltype(Row::module_px)>);
   for (int i = 0; i <= kCosines; ++i) {
     Row& row = rows_[static_cast<std::size_t>(i)];
@@ -106,7 +101,7 @@ BlurLimits::BlurLimits(const LeastModule& least_module) : rows_(kCosines + 1), l
     // More blur never helps: the table's small ups and downs are the measurement's noise.
     double least = 0;
     for (std::size_t blur = 0; blur < kBlursPx.size(); ++blur) {
-      least = std::max(least, least_module(incidence, blur));
+      least = std::max(least, at_incidence(table, incidence, blur));
       row.module_px[blur] = least;
     }
     least_ = std::min(least_, row.module_px.front());

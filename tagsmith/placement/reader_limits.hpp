@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "tagsmith/tag/template.hpp"
@@ -55,10 +54,9 @@ class BlurLimits {
   double least_module_px() const { return least_; }
 
  private:
-  // Least width of a module by the incidence (radians) and the entry of the table's blurs.
-  using LeastModule = std::function<double(double incidence, std::size_t blur)>;
-
-  explicit BlurLimits(const LeastModule& least);
+  // Of a table of least widths by incidence and blur.
+  template <class Table>
+  explicit BlurLimits(const Table& table);
 
   struct Row {
     std::array<double, 16> module_px{};  // least, by the blurs of the table; the rest infinite
