@@ -194,16 +194,9 @@ VehicleCovariance rig_information(const Survey& survey, const Rig& rig,
                                   const CenterlinePoint& floor, const VehiclePose& pose) {
   VehicleCovariance information = VehicleCovariance::Zero();
   const Vector3d sigmas(rig.height_sigma, rig.pitch_sigma, rig.roll_sigma);
-  constexpr int kPriors[] = {vehicle_parameter::kZ, vehicle_parameter::kPitch,
-                             vehicle_parameter::kRoll};
-  const bool is_level = floor.grade == 0;  // then height, pitch and roll are parameters themselves
-  const ObservedStance stance = is_level ? ObservedStance{} : observe_stance(floor, pose);
+  const ObservedStance stance = observe_stance(floor, pose);
   for (Eigen::Index i = 0; i < 3; ++i) {
     if (sigmas[i] <= 0) continue;
-    if (is_level) {
-      information(kPriors[i], kPriors[i]) = 1 / (sigmas[i] * sigmas[i]);
-      continue;
-    }
     const Eigen::Matrix<double, 1, 6> row = stance.by_vehicle.row(i) / sigmas[i];
     information.noalias() += row.transpose() * row;
   }
