@@ -12,6 +12,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/placement/plan_summary.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
@@ -91,16 +92,16 @@ constexpr double kFloorClearance = 0.05;  // of a plate's edge from floor and ro
 constexpr double kSightAhead = 40;        // metres beyond the plan's end where tags may still help
 
 // Half the pitch between the walls' plates: each wall's tags stand before the other's gaps.
-double stagger_angle(const TagTemplate& tag, double spacing, double width) {
-  const double half_pitch = (tag.plate_length + spacing) / 2;
-  return std::atan2(tag.frame_inner_length + half_pitch, width);
+double stagger_angle(const Survey& survey, const Layout& layout) {
+  const TagTemplate& tag = layout.tag_template;
+  const double half_pitch = (tag.plate_length + layout.series.spacing) / 2;
+  return std::atan2(tag.frame_inner_length + half_pitch,
+                    width_at(survey.tunnel, layout.series.first));
 }
 
 bool has_half_pitch(const Survey& survey, const Layout& layout) {
   return layout.series.pair_angle &&
-         std::abs(*layout.series.pair_angle -
-                  stagger_angle(layout.tag_template, layout.series.spacing,
-                                width_at(survey.tunnel, layout.series.first))) < 1e-9;
+         std::abs(*layout.series.pair_angle - stagger_angle(survey, layout)) < 1e-9;
 }
 
 // Nor may the right plates' shift take them out of the drive.
@@ -131,39 +132,165 @@ int samples_over(double most, double step) {
   return std::min(kMost, 2 * static_cast<int>(std::ceil(std::min(most / step, 1e3))) + 1);
 }
 
+// Whether the survey's code has digits for the heights of all tags.
+bool can_be_coded(const Survey& survey) {
+  const auto [low, high] = coded_range(survey.code, 2);
+  return std::ranges::all_of(survey.tags, [&, low = low, high = high](const PlacedTag& tag) {
+    return tag.p_in_grid.z() >= low && tag.p_in_grid.z() <= high;
+  });
+}
+
 // Searches with a coarse plan and proves with the plan as requested. Keeps references to all its
 // arguments.
 class LayoutSearch {
  public:
   LayoutSearch(const Survey& survey, const Rig& rig, const std::vector<TagTemplate>& templates,
-               const Requirement& requirement, CostOrder order, const PlanOptions& options);
+               const Requirement& requirement, CostOrder order, const PlanOptions& options)
+      : survey_(survey),
+        rig_(rig),
+        templates_(templates),
+        requirement_(requirement),
+        order_(order),
+        fine_{options, {}},
+        coarse_{options, {}} {
+    // So that no plate passes through the picture unseen between two poses.
+    const double length = survey.tag_template.frame_inner_length;
+    const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
+    const double turn = length / least_width(survey.tunnel);
+    fine_.options.lateral_offsets =
+        std::max(options.lateral_offsets, samples_over(envelope.lateral, kFinestShare * length));
+    fine_.options.headings =
+        std::max(options.headings, samples_over(envelope.yaw, kFinestShare * turn));
+    coarse_.options.step = std::max(options.step, kCoarseStep);
+    coarse_.options.lateral_offsets = std::min(options.lateral_offsets, kCoarseOffsets);
+    coarse_.options.headings = std::min(options.headings, kCoarseOffsets);
+  }
 
-  Layout given() const;
+  Layout given() const { return {survey_.tag_template, *survey_.series, std::nullopt}; }
 
   // Which columns can be served at all: the share of them, of the plan as requested. Fails when
   // none can. Must be called before the functions below.
-  Result<double> find_demanded(const Freedom& freedom);
+  Result<double> find_demanded(const Freedom& freedom) {
+    for (Demand* demand : {&coarse_, &fine_}) {
+      auto columns = find_demanded(demand->options, freedom);
+      if (!columns) return fail(columns);
+      demand->demanded = std::move(*columns);
+    }
+    const auto count = std::ranges::count(fine_.demanded, true);
+    if (count == 0) {
+      return fail(fmt::format(
+          "{} with {}: even plates {} m apart, whatever else may vary, leave poses without a "
+          "position everywhere: the cameras or the envelope must change first",
+          survey_.file.string(), rig_.file.string(), format_number(kDensest * kSpacingStep, 2)));
+    }
+    return static_cast<double>(count) / static_cast<double>(fine_.demanded.size());
+  }
+
   const std::vector<bool>& demanded() const { return fine_.demanded; }
 
   // The layout by the plan as asked for.
-  LayoutReport report(std::string name, const Layout& layout) const;
+  LayoutReport report(std::string name, const Layout& layout) const {
+    LayoutReport report = priced(std::move(name), layout);
+    judge(layout, fine_, report);
+    return report;
+  }
 
-  bool is_cheaper(const LayoutReport& a, const LayoutReport& b) const;
+  bool is_cheaper(const LayoutReport& a, const LayoutReport& b) const {
+    if (a.meets != b.meets) return a.meets;
+    if (!a.meets) return a.met_share > b.met_share;
+    const auto cost = [&](const LayoutReport& report) {
+      const double plate = plate_area(report.layout);
+      const double tags = report.tags;
+      return order_ == CostOrder::tags ? std::tuple(tags, plate) : std::tuple(plate, tags);
+    };
+    return cost(a) < cost(b);
+  }
 
   // The layout with the largest spacing that still meets the requirement, and no more pairs than
   // necessary, by the coarse plan. With `best`, only if it may be cheaper than that.
+  // Why: docs/decisions/0012-planning.md.
   std::optional<LayoutReport> stretched(const std::string& name, const Layout& layout,
-                                        const LayoutReport* best = nullptr) const;
+                                        const LayoutReport* best = nullptr) const {
+    const int least = best != nullptr ? least_steps(layout, *best) : kDensest;
+    if (least > kWidest) return std::nullopt;
+    int low = least - 1;  // meets, if it is `least` or more
+    int high = kWidest + 1;
+    // The spacing given is the likeliest of all.
+    const int given = static_cast<int>(std::floor(survey_.series->spacing / kSpacingStep));
+    for (int middle = best != nullptr ? least : std::clamp(given, least, kWidest); high - low > 1;
+         middle = (low + high) / 2) {
+      (meets(spaced(layout, middle), coarse_) ? low : high) = middle;
+    }
+    // In bends, and where the drive ends, a wider spacing may be sufficient where a closer one is
+    // not.
+    for (int wider = high + 1; wider <= std::min(low + kStepsBeyond, kWidest); ++wider) {
+      if (meets(spaced(layout, wider), coarse_)) low = wider;
+    }
+    if (low >= least) {
+      LayoutReport found = priced(name, trimmed(spaced(layout, low)));
+      found.meets = true;
+      return found;
+    }
+    if (best != nullptr && best->meets) return std::nullopt;
+    LayoutReport failed = priced(name, spaced(layout, least));
+    judge(failed.layout, coarse_.thinned(kFirstLook), failed);
+    return failed;
+  }
 
   // Proves the result of `stretched` with the plan as requested; hangs the plates closer while it
   // fails.
-  LayoutReport proved(const LayoutReport& coarse) const;
+  LayoutReport proved(const LayoutReport& coarse) const {
+    constexpr int kMostSteps = 40;
+    Layout layout = coarse.layout;
+    for (int i = 0; i < kMostSteps && !meets(layout, fine_); ++i) {
+      const int steps = static_cast<int>(std::lround(layout.series.spacing / kSpacingStep)) - 1;
+      if (steps < kDensest) break;
+      layout = spaced(layout, steps);
+    }
+    return report(coarse.name, layout);
+  }
 
-  // Layouts that differ from this one in one respect.
-  std::vector<Layout> plates(const Layout& layout) const;
-  std::vector<Layout> heights(const Layout& layout) const;
-  std::vector<Layout> staggers(const Layout& layout) const;
-  std::vector<Layout> alphas(const Layout& layout) const;
+  // ---- Layouts that differ from this one in one respect.
+
+  std::vector<Layout> plates(const Layout& layout) const {
+    std::vector<Layout> all;
+    for (const TagTemplate& tag : templates_) {
+      Layout other = layout;
+      other.tag_template = tag;
+      if (hangs_in_tunnel(other)) all.push_back(other);
+    }
+    return all;
+  }
+
+  std::vector<Layout> heights(const Layout& layout) const {
+    std::vector<Layout> all;
+    const double most = std::min(survey_.tunnel.height.least(), 4.0);
+    for (int decimetres = 2; decimetres < 10 * most; decimetres += 2) {
+      Layout other = layout;
+      other.series.mount_height = decimetres / 10.0;
+      if (hangs_in_tunnel(other)) all.push_back(other);
+    }
+    return all;
+  }
+
+  std::vector<Layout> staggers(const Layout& layout) const {
+    Layout facing = layout;
+    facing.series.pair_angle.reset();
+    Layout half = layout;
+    half.series.pair_angle = stagger_angle(survey_, layout);
+    return {facing, half};
+  }
+
+  std::vector<Layout> alphas(const Layout& layout) const {
+    std::vector<Layout> all;
+    if (!all_look_aside(rig_)) return all;
+    for (int alpha = 15; alpha <= 75; alpha += 5) {
+      Layout other = layout;
+      other.alpha = radians(alpha);
+      all.push_back(other);
+    }
+    return all;
+  }
 
  private:
   // A plan's options, and which of its columns the requirement is for.
@@ -172,19 +299,134 @@ class LayoutSearch {
     std::vector<bool> demanded;
 
     // The first column and each `stride`th after it.
-    Demand thinned(std::size_t stride) const;
+    Demand thinned(std::size_t stride) const {
+      Demand thin{options, {}};
+      thin.options.step *= static_cast<double>(stride);
+      // Rounding must not add a column about which nothing is known.
+      const double last = static_cast<double>(demanded.size() - 1) * options.step;
+      if (!demanded.empty() && last > 0) thin.options.to = options.from.value_or(0) + last;
+      for (std::size_t i = 0; i < demanded.size(); i += stride)
+        thin.demanded.push_back(demanded[i]);
+      return thin;
+    }
   };
 
-  Result<DrivePlan> plan_of(const Layout& layout, const PlanOptions& options) const;
-  Result<std::vector<bool>> find_demanded(PlanOptions options, const Freedom& freedom) const;
-  bool meets(const Layout& layout, const Demand& demand) const;
-  void judge(const Layout& layout, const Demand& demand, LayoutReport& report) const;
-  LayoutReport priced(std::string name, const Layout& layout) const;
-  int least_steps(const Layout& layout, const LayoutReport& best) const;
-  Layout spaced(Layout layout, int steps) const;
-  Layout trimmed(Layout layout) const;
-  double up_to() const;
-  bool hangs_in_tunnel(const Layout& layout) const;
+  Result<DrivePlan> plan_of(const Layout& layout, const PlanOptions& options) const {
+    return plan_drive(with_layout(survey_, layout), with_alpha(rig_, layout.alpha), options);
+  }
+
+  // The columns that the given layout serves, or plates hung as densely as possible, with any
+  // single thing changed that may vary.
+  Result<std::vector<bool>> find_demanded(PlanOptions options, const Freedom& freedom) const {
+    options.accuracy = false;
+    std::vector<Layout> layouts{given(), spaced(given(), kDensest)};
+    const auto add = [&](bool allowed, const std::vector<Layout>& others) {
+      if (!allowed) return;
+      for (const Layout& other : others) layouts.push_back(spaced(other, kDensest));
+    };
+    add(freedom.mount_height, heights(given()));
+    add(freedom.plate, plates(given()));
+    add(freedom.alpha, alphas(given()));
+    std::vector<bool> columns;
+    for (const Layout& layout : layouts) {
+      const auto plan = plan_of(layout, options);
+      if (!plan) return fail(plan);
+      columns.resize(plan->columns.size());
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        if (plan->columns[i].least_tags > requirement_.tags_lost) columns[i] = true;
+      }
+      if (std::ranges::all_of(columns, std::identity{})) break;
+    }
+    return columns;
+  }
+
+  // Most layouts fail, and most of those at many places and in the check of sight alone, which is
+  // many times as fast as the accuracy.
+  bool meets(const Layout& layout, const Demand& demand) const {
+    for (const bool accuracy : {false, true}) {
+      for (const std::size_t stride : {kFirstLook, std::size_t{1}}) {
+        Demand part = demand.thinned(stride);
+        part.options.accuracy = accuracy;
+        const Result<DrivePlan> plan = plan_of(layout, part.options);
+        if (!plan) return false;
+        for (std::size_t i = 0; i < plan->columns.size(); ++i) {
+          const PlanColumn& column = plan->columns[i];
+          const bool served = accuracy ? is_served(column, requirement_)
+                                       : column.least_tags > requirement_.tags_lost;
+          if (part.demanded.at(i) && !served) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  void judge(const Layout& layout, const Demand& demand, LayoutReport& report) const {
+    const Result<DrivePlan> plan = plan_of(layout, demand.options);
+    if (!plan) return;
+    const PlanSummary summary = summarize(*plan);
+    report.met_share = served_share(*plan, requirement_, demand.demanded);
+    report.meets = report.met_share == 1;
+    report.covered_share = summary.covered_share;
+    report.worst_plane =
+        summary.worst_plane ? summary.worst_plane->worst : std::numeric_limits<double>::infinity();
+  }
+
+  LayoutReport priced(std::string name, const Layout& layout) const {
+    LayoutReport report;
+    report.name = std::move(name);
+    report.layout = layout;
+    report.tags = 2 * layout.series.pairs;
+    report.plate_area = report.tags * plate_area(layout) / 1e6;
+    return report;
+  }
+
+  // The least spacing at which the layout, before it is trimmed, may cost less than `best` did.
+  int least_steps(const Layout& layout, const LayoutReport& best) const {
+    if (!best.meets) return kDensest;
+    const double plate = plate_area(layout);
+    const double best_plate = plate_area(best.layout);
+    if (order_ == CostOrder::plate && plate != best_plate) {
+      return plate < best_plate ? kDensest : kWidest + 1;
+    }
+    const int most = pairs_that_fit(survey_, best.layout, up_to());
+    int steps = kDensest;
+    while (steps <= kWidest && spaced(layout, steps).series.pairs > most) ++steps;
+    return steps;
+  }
+
+  // As many pairs as may serve the planned stretch.
+  Layout spaced(Layout layout, int steps) const {
+    const bool half_pitch = has_half_pitch(survey_, layout);
+    layout.series.spacing = steps * kSpacingStep;
+    if (half_pitch) layout.series.pair_angle = stagger_angle(survey_, layout);
+    layout.series.pairs = pairs_that_fit(survey_, layout, up_to());
+    return layout;
+  }
+
+  // The least number of pairs that still meets what all together do.
+  Layout trimmed(Layout layout) const {
+    int low = 0;
+    int high = layout.series.pairs;
+    while (high - low > 1) {
+      layout.series.pairs = (low + high) / 2;
+      (meets(layout, coarse_) ? high : low) = layout.series.pairs;
+    }
+    layout.series.pairs = high;
+    return layout;
+  }
+
+  double up_to() const {
+    return fine_.options.to.value_or(survey_.tunnel.centerline.length()) + kSightAhead;
+  }
+
+  bool hangs_in_tunnel(const Layout& layout) const {
+    const TagTemplate& tag = layout.tag_template;
+    const double above = (tag.plate_height - tag.frame_inner_height) / 2 - tag.frame_offset_up;
+    const double below = tag.plate_height - above;
+    return layout.series.mount_height - below >= kFloorClearance &&
+           layout.series.mount_height + above <= survey_.tunnel.height.least() - kFloorClearance &&
+           can_be_coded(with_layout(survey_, spaced(layout, kDensest)));
+  }
 
   const Survey& survey_;
   const Rig& rig_;
@@ -194,290 +436,6 @@ class LayoutSearch {
   Demand fine_;
   Demand coarse_;
 };
-
-LayoutSearch::LayoutSearch(const Survey& survey, const Rig& rig,
-                           const std::vector<TagTemplate>& templates,
-                           const Requirement& requirement, CostOrder order,
-                           const PlanOptions& options)
-    : survey_(survey),
-      rig_(rig),
-      templates_(templates),
-      requirement_(requirement),
-      order_(order),
-      fine_{options, {}},
-      coarse_{options, {}} {
-  // So that no plate passes through the picture unseen between two poses.
-  const double length = survey.tag_template.frame_inner_length;
-  const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
-  const double turn = length / least_width(survey.tunnel);
-  fine_.options.lateral_offsets =
-      std::max(options.lateral_offsets, samples_over(envelope.lateral, kFinestShare * length));
-  fine_.options.headings =
-      std::max(options.headings, samples_over(envelope.yaw, kFinestShare * turn));
-  coarse_.options.step = std::max(options.step, kCoarseStep);
-  coarse_.options.lateral_offsets = std::min(options.lateral_offsets, kCoarseOffsets);
-  coarse_.options.headings = std::min(options.headings, kCoarseOffsets);
-}
-
-Layout LayoutSearch::given() const { return {survey_.tag_template, *survey_.series, std::nullopt}; }
-
-Result<double> LayoutSearch::find_demanded(const Freedom& freedom) {
-  for (Demand* demand : {&coarse_, &fine_}) {
-    auto columns = find_demanded(demand->options, freedom);
-    if (!columns) return fail(columns);
-    demand->demanded = std::move(*columns);
-  }
-  const auto count = std::ranges::count(fine_.demanded, true);
-  if (count == 0) {
-    return fail(fmt::format(
-        "{} with {}: even plates {} m apart, whatever else may vary, leave poses without a "
-        "position "
-        "everywhere: the cameras or the envelope must change first",
-        survey_.file.string(), rig_.file.string(), format_number(kDensest * kSpacingStep, 2)));
-  }
-  return static_cast<double>(count) / static_cast<double>(fine_.demanded.size());
-}
-
-// The columns that the given layout serves, or plates hung as densely as possible, with any single
-// thing changed that may vary.
-Result<std::vector<bool>> LayoutSearch::find_demanded(PlanOptions options,
-                                                      const Freedom& freedom) const {
-  options.accuracy = false;
-  std::vector<Layout> layouts{given(), spaced(given(), kDensest)};
-  const auto add = [&](bool allowed, const std::vector<Layout>& others) {
-    if (!allowed) return;
-    for (const Layout& other : others) layouts.push_back(spaced(other, kDensest));
-  };
-  add(freedom.mount_height, heights(given()));
-  add(freedom.plate, plates(given()));
-  add(freedom.alpha, alphas(given()));
-  std::vector<bool> columns;
-  for (const Layout& layout : layouts) {
-    const auto plan = plan_of(layout, options);
-    if (!plan) return fail(plan);
-    columns.resize(plan->columns.size());
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (plan->columns[i].least_tags > requirement_.tags_lost) columns[i] = true;
-    }
-    if (std::ranges::all_of(columns, std::identity{})) break;
-  }
-  return columns;
-}
-
-LayoutReport LayoutSearch::report(std::string name, const Layout& layout) const {
-  LayoutReport report = priced(std::move(name), layout);
-  judge(layout, fine_, report);
-  return report;
-}
-
-bool LayoutSearch::is_cheaper(const LayoutReport& a, const LayoutReport& b) const {
-  if (a.meets != b.meets) return a.meets;
-  if (!a.meets) return a.met_share > b.met_share;
-  const auto cost = [&](const LayoutReport& report) {
-    const double plate = plate_area(report.layout);
-    const double tags = report.tags;
-    return order_ == CostOrder::tags ? std::tuple(tags, plate) : std::tuple(plate, tags);
-  };
-  return cost(a) < cost(b);
-}
-
-// Why: docs/decisions/0012-planning.md.
-std::optional<LayoutReport> LayoutSearch::stretched(const std::string& name, const Layout& layout,
-                                                    const LayoutReport* best) const {
-  const int least = best != nullptr ? least_steps(layout, *best) : kDensest;
-  if (least > kWidest) return std::nullopt;
-  int low = least - 1;  // meets, if it is `least` or more
-  int high = kWidest + 1;
-  // The spacing given is the likeliest of all.
-  const int given = static_cast<int>(std::floor(survey_.series->spacing / kSpacingStep));
-  for (int middle = best != nullptr ? least : std::clamp(given, least, kWidest); high - low > 1;
-       middle = (low + high) / 2) {
-    (meets(spaced(layout, middle), coarse_) ? low : high) = middle;
-  }
-  // In bends, and where the drive ends, a wider spacing may be sufficient where a closer one is
-  // not.
-  for (int wider = high + 1; wider <= std::min(low + kStepsBeyond, kWidest); ++wider) {
-    if (meets(spaced(layout, wider), coarse_)) low = wider;
-  }
-  if (low >= least) {
-    LayoutReport found = priced(name, trimmed(spaced(layout, low)));
-    found.meets = true;
-    return found;
-  }
-  if (best != nullptr && best->meets) return std::nullopt;
-  LayoutReport failed = priced(name, spaced(layout, least));
-  judge(failed.layout, coarse_.thinned(kFirstLook), failed);
-  return failed;
-}
-
-LayoutReport LayoutSearch::proved(const LayoutReport& coarse) const {
-  constexpr int kMostSteps = 40;
-  Layout layout = coarse.layout;
-  for (int i = 0; i < kMostSteps && !meets(layout, fine_); ++i) {
-    const int steps = static_cast<int>(std::lround(layout.series.spacing / kSpacingStep)) - 1;
-    if (steps < kDensest) break;
-    layout = spaced(layout, steps);
-  }
-  return report(coarse.name, layout);
-}
-
-std::vector<Layout> LayoutSearch::plates(const Layout& layout) const {
-  std::vector<Layout> all;
-  for (const TagTemplate& tag : templates_) {
-    Layout other = layout;
-    other.tag_template = tag;
-    if (hangs_in_tunnel(other)) all.push_back(other);
-  }
-  return all;
-}
-
-std::vector<Layout> LayoutSearch::heights(const Layout& layout) const {
-  std::vector<Layout> all;
-  const double most = std::min(survey_.tunnel.height.least(), 4.0);
-  for (int decimetres = 2; decimetres < 10 * most; decimetres += 2) {
-    Layout other = layout;
-    other.series.mount_height = decimetres / 10.0;
-    if (hangs_in_tunnel(other)) all.push_back(other);
-  }
-  return all;
-}
-
-std::vector<Layout> LayoutSearch::staggers(const Layout& layout) const {
-  Layout facing = layout;
-  facing.series.pair_angle.reset();
-  Layout half = layout;
-  half.series.pair_angle = stagger_angle(layout.tag_template, layout.series.spacing,
-                                         width_at(survey_.tunnel, layout.series.first));
-  return {facing, half};
-}
-
-std::vector<Layout> LayoutSearch::alphas(const Layout& layout) const {
-  std::vector<Layout> all;
-  if (!all_look_aside(rig_)) return all;
-  for (int alpha = 15; alpha <= 75; alpha += 5) {
-    Layout other = layout;
-    other.alpha = radians(alpha);
-    all.push_back(other);
-  }
-  return all;
-}
-
-Result<DrivePlan> LayoutSearch::plan_of(const Layout& layout, const PlanOptions& options) const {
-  return plan_drive(with_layout(survey_, layout), with_alpha(rig_, layout.alpha), options);
-}
-
-LayoutSearch::Demand LayoutSearch::Demand::thinned(std::size_t stride) const {
-  Demand thin{options, {}};
-  thin.options.step *= static_cast<double>(stride);
-  // Rounding must not add a column about which nothing is known.
-  const double last = static_cast<double>(demanded.size() - 1) * options.step;
-  if (!demanded.empty() && last > 0) thin.options.to = options.from.value_or(0) + last;
-  for (std::size_t i = 0; i < demanded.size(); i += stride) thin.demanded.push_back(demanded[i]);
-  return thin;
-}
-
-// Most layouts fail, and most of those at many places and in the check of sight alone, which is
-// many times as fast as the accuracy.
-bool LayoutSearch::meets(const Layout& layout, const Demand& demand) const {
-  for (const bool accuracy : {false, true}) {
-    for (const std::size_t stride : {kFirstLook, std::size_t{1}}) {
-      Demand part = demand.thinned(stride);
-      part.options.accuracy = accuracy;
-      const Result<DrivePlan> plan = plan_of(layout, part.options);
-      if (!plan) return false;
-      for (std::size_t i = 0; i < plan->columns.size(); ++i) {
-        const PlanColumn& column = plan->columns[i];
-        const bool served =
-            accuracy ? is_served(column, requirement_) : column.least_tags > requirement_.tags_lost;
-        if (part.demanded.at(i) && !served) return false;
-      }
-    }
-  }
-  return true;
-}
-
-void LayoutSearch::judge(const Layout& layout, const Demand& demand, LayoutReport& report) const {
-  const Result<DrivePlan> plan = plan_of(layout, demand.options);
-  if (!plan) return;
-  int covered = 0;
-  double worst = -1;
-  for (const PlanColumn& column : plan->columns) {
-    covered += column.least_tags > 0 ? 1 : 0;
-    if (std::isfinite(column.worst.plane)) worst = std::max(worst, column.worst.plane);
-  }
-  report.met_share = served_share(*plan, requirement_, demand.demanded);
-  report.meets = report.met_share == 1;
-  report.covered_share = static_cast<double>(covered) / static_cast<double>(plan->columns.size());
-  report.worst_plane = worst < 0 ? std::numeric_limits<double>::infinity() : worst;
-}
-
-LayoutReport LayoutSearch::priced(std::string name, const Layout& layout) const {
-  LayoutReport report;
-  report.name = std::move(name);
-  report.layout = layout;
-  report.tags = 2 * layout.series.pairs;
-  report.plate_area = report.tags * plate_area(layout) / 1e6;
-  return report;
-}
-
-// The least spacing at which the layout, before it is trimmed, may cost less than `best` did.
-int LayoutSearch::least_steps(const Layout& layout, const LayoutReport& best) const {
-  if (!best.meets) return kDensest;
-  const double plate = plate_area(layout);
-  const double best_plate = plate_area(best.layout);
-  if (order_ == CostOrder::plate && plate != best_plate) {
-    return plate < best_plate ? kDensest : kWidest + 1;
-  }
-  const int most = pairs_that_fit(survey_, best.layout, up_to());
-  int steps = kDensest;
-  while (steps <= kWidest && spaced(layout, steps).series.pairs > most) ++steps;
-  return steps;
-}
-
-// As many pairs as may serve the planned stretch.
-Layout LayoutSearch::spaced(Layout layout, int steps) const {
-  const bool half_pitch = has_half_pitch(survey_, layout);
-  layout.series.spacing = steps * kSpacingStep;
-  if (half_pitch) {
-    layout.series.pair_angle = stagger_angle(layout.tag_template, layout.series.spacing,
-                                             width_at(survey_.tunnel, layout.series.first));
-  }
-  layout.series.pairs = pairs_that_fit(survey_, layout, up_to());
-  return layout;
-}
-
-// The least number of pairs that still meets what all together do.
-Layout LayoutSearch::trimmed(Layout layout) const {
-  int low = 0;
-  int high = layout.series.pairs;
-  while (high - low > 1) {
-    layout.series.pairs = (low + high) / 2;
-    (meets(layout, coarse_) ? high : low) = layout.series.pairs;
-  }
-  layout.series.pairs = high;
-  return layout;
-}
-
-double LayoutSearch::up_to() const {
-  return fine_.options.to.value_or(survey_.tunnel.centerline.length()) + kSightAhead;
-}
-
-// Whether the survey's code has digits for the heights of all tags.
-bool can_be_coded(const Survey& survey) {
-  const auto [low, high] = coded_range(survey.code, 2);
-  return std::ranges::all_of(survey.tags, [&, low = low, high = high](const PlacedTag& tag) {
-    return tag.p_in_grid.z() >= low && tag.p_in_grid.z() <= high;
-  });
-}
-
-bool LayoutSearch::hangs_in_tunnel(const Layout& layout) const {
-  const TagTemplate& tag = layout.tag_template;
-  const double above = (tag.plate_height - tag.frame_inner_height) / 2 - tag.frame_offset_up;
-  const double below = tag.plate_height - above;
-  return layout.series.mount_height - below >= kFloorClearance &&
-         layout.series.mount_height + above <= survey_.tunnel.height.least() - kFloorClearance &&
-         can_be_coded(with_layout(survey_, spaced(layout, kDensest)));
-}
 
 // ---- The cheapest layout.
 
