@@ -43,12 +43,8 @@ void draw_plate_edge(Sketch& sketch, const Survey& survey, const PlacedTag& tag)
   sketch.layer("names").add(Words{.text = tag.name,
                                   .at = {Vector2d(x, p), Vector2d(-out * 0.002, 0)},
                                   .align = out < 0 ? TextAlign::left : TextAlign::right});
-  sketch.layer("dimensions")
-      .add(Dimension{.from = Vector2d(x, 0),
-                     .to = Vector2d(x, p),
-                     .offset = tag.side == Side::left ? 0.008 : -0.008,
-                     .text = "H_P " + metres(p),
-                     .colour = colours::kRed});
+  add_dimension(sketch.layer("dimensions"), {x, 0}, {x, p}, -out * 0.008, "H_P " + metres(p),
+                colours::kRed);
 }
 
 void draw_vehicle_section(Sketch& sketch, const Rig& rig) {
@@ -56,11 +52,7 @@ void draw_vehicle_section(Sketch& sketch, const Rig& rig) {
   const Vector2d o(0, rig.vehicle_height);
   layer.add(Dot{o, 0.0008, colours::kBlue});
   layer.add(Words{.text = "O", .at = {o, Vector2d(0.0012, 0.0008)}, .colour = colours::kBlue});
-  layer.add(Dimension{.from = Vector2d(0, 0),
-                      .to = o,
-                      .offset = 0.006,
-                      .text = metres(rig.vehicle_height),
-                      .colour = colours::kBlue});
+  add_dimension(layer, {0, 0}, o, 0.006, metres(rig.vehicle_height), colours::kBlue);
   for (const RigCamera& camera : rig.cameras) {
     const Eigen::Vector3d& at = camera.vehicle_from_camera.translation;
     if (at.norm() < 1e-3) continue;
@@ -111,18 +103,14 @@ void draw_pair_angle(SketchLayer& layer, const Vector2d& p1, const Vector2d& p2,
   layer.add(Polyline{{p1, p2}, line});
   layer.add(Polyline{{p1, foot}, line});
   const double from = std::atan2(into_tunnel.y(), into_tunnel.x());
-  const double turn =
-      std::remainder(std::atan2((p2 - p1).y(), (p2 - p1).x()) - from, 2 * std::numbers::pi);
+  const double turn = wrapped_angle(std::atan2((p2 - p1).y(), (p2 - p1).x()) - from);
   draw_angle(layer, p1, from, from + turn, 0.6 * across,
              "\u03b8 " + format_number(degrees(std::abs(turn)), 2) + kDegree);
   layer.add(point_name("P1", p1, -into_tunnel * 0.0045, TextAlign::right));
   layer.add(point_name("P2", p2, into_tunnel * 0.0045, TextAlign::left));
   const bool ahead = (p2 - foot).x() >= 0;
-  layer.add(Dimension{.from = ahead ? foot : p2,
-                      .to = ahead ? p2 : foot,
-                      .offset = -0.010,
-                      .text = "stagger " + metres((p2 - foot).norm()),
-                      .colour = colours::kRed});
+  add_dimension(layer, ahead ? foot : p2, ahead ? p2 : foot, -0.010,
+                "stagger " + metres((p2 - foot).norm()), colours::kRed);
 }
 
 void draw_camera_rays(SketchLayer& layer, const RigCamera& camera, double reach) {
@@ -156,10 +144,7 @@ void draw_ranges(SketchLayer& layer, const Rig& rig, const Tunnel& tunnel, doubl
   double along = 0;
   for (const RigRange& range : rig.ranges) {
     const double wall = -wall_of(tunnel, range.wall).at(chainage);
-    const Vector2d from(along, 0);
-    const Vector2d to(along, wall);
-    layer.add(Dimension{
-        .from = from, .to = to, .offset = 0.003, .text = range.name, .colour = colours::kOrange});
+    add_dimension(layer, {along, 0}, {along, wall}, 0.003, range.name, colours::kOrange);
     along -= 0.15 * half_width;
   }
 }
@@ -171,6 +156,11 @@ std::string metres(double length) { return format_number(length, 3); }
 std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_world) {
   const Eigen::Vector3d p = grid_from_world(survey.grid, point_in_world);
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
+}
+
+void add_dimension(SketchLayer& layer, const Vector2d& from, const Vector2d& to, double offset,
+                   const std::string& text, const Colour& colour) {
+  layer.add(Dimension{from, to, offset, text, colour});
 }
 
 std::optional<TagPair> first_pair(const Survey& survey) {
@@ -201,16 +191,10 @@ DrawingView cross_section(const Survey& survey, const PlacedTag& tag,
   for (const PlacedTag& other : survey.tags) {
     if (other.pair == tag.pair) draw_plate_edge(view.sketch, survey, other);
   }
-  view.sketch.layer("dimensions")
-      .add(Dimension{.from = Vector2d(left, 0),
-                     .to = Vector2d(right, 0),
-                     .offset = -0.008,
-                     .text = "W_T " + metres(width_at(tunnel, tag.chainage))});
-  view.sketch.layer("dimensions")
-      .add(Dimension{.from = Vector2d(left, 0),
-                     .to = Vector2d(left, height),
-                     .offset = 0.016,
-                     .text = metres(height)});
+  SketchLayer& dimensions = view.sketch.layer("dimensions");
+  add_dimension(dimensions, {left, 0}, {right, 0}, -0.008,
+                "W_T " + metres(width_at(tunnel, tag.chainage)));
+  add_dimension(dimensions, {left, 0}, {left, height}, 0.016, metres(height));
   if (rig) draw_vehicle_section(view.sketch, *rig);
   return view;
 }
@@ -240,11 +224,8 @@ DrawingView pair_plan(const Survey& survey, const TagPair& pair) {
     return strip.in_view(beside +
                          wall_of(survey.tunnel, side).at(chainage) * right_of(here.heading));
   };
-  view.sketch.layer("dimensions")
-      .add(Dimension{.from = wall(Side::right),
-                     .to = wall(Side::left),
-                     .offset = 0.008,
-                     .text = "W_T " + metres(width_at(survey.tunnel, chainage))});
+  add_dimension(view.sketch.layer("dimensions"), wall(Side::right), wall(Side::left), 0.008,
+                "W_T " + metres(width_at(survey.tunnel, chainage)));
   return view;
 }
 
@@ -281,14 +262,10 @@ DrawingView plate_view(const Survey& survey, const PlacedTag& tag) {
   mark("Q", 0, inner.height, {0.0025, 0.0025});
   SketchLayer& dimensions = view.sketch.layer("dimensions");
   const Rectangle& p = drawing.plate;
-  const auto dimension = [&](const Vector2d& from, const Vector2d& to, double offset,
-                             const std::string& text) {
-    dimensions.add(Dimension{.from = from, .to = to, .offset = offset, .text = text});
-  };
-  dimension({0, -p.y}, {inner.width, -p.y}, 0.005, "L_CI " + metres(inner.width));
-  dimension({p.x, -p.y}, {p.x + p.width, -p.y}, 0.011, metres(p.width));
-  dimension({p.x, -inner.height}, {p.x, 0}, 0.005, "H_CI " + metres(inner.height));
-  dimension({p.x, -(p.y + p.height)}, {p.x, -p.y}, 0.011, metres(p.height));
+  add_dimension(dimensions, {0, -p.y}, {inner.width, -p.y}, 0.005, "L_CI " + metres(inner.width));
+  add_dimension(dimensions, {p.x, -p.y}, {p.x + p.width, -p.y}, 0.011, metres(p.width));
+  add_dimension(dimensions, {p.x, -inner.height}, {p.x, 0}, 0.005, "H_CI " + metres(inner.height));
+  add_dimension(dimensions, {p.x, -(p.y + p.height)}, {p.x, -p.y}, 0.011, metres(p.height));
   return view;
 }
 

@@ -164,10 +164,7 @@ void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& w
                      const std::vector<const PlacedTag*>& tags, double left_end,
                      double chainage_there) {
   const double height = survey.tunnel.height.at(chainage_there);
-  layer.add(Dimension{.from = Vector2d(left_end, 0),
-                      .to = Vector2d(left_end, height),
-                      .offset = 0.010,
-                      .text = metres(height)});
+  add_dimension(layer, {left_end, 0}, {left_end, height}, 0.010, metres(height));
   if (tags.size() < 2) return;
   const PlacedTag& tag = *tags.front();
   const double left = plate_outline(survey.tag_template).x;
@@ -179,14 +176,8 @@ void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& w
   const bool leftwards = c.x() < a.x();
   const double gap_from = leftwards ? d.x() : b.x();
   const double gap_to = leftwards ? a.x() : c.x();
-  layer.add(Dimension{.from = Vector2d(gap_from, 0),
-                      .to = Vector2d(gap_to, 0),
-                      .offset = -0.0075,
-                      .text = "W_B " + metres(gap_to - gap_from)});
-  layer.add(Dimension{.from = Vector2d(a.x(), 0),
-                      .to = Vector2d(b.x(), 0),
-                      .offset = -0.0125,
-                      .text = "plate " + metres(b.x() - a.x())});
+  add_dimension(layer, {gap_from, 0}, {gap_to, 0}, -0.0075, "W_B " + metres(gap_to - gap_from));
+  add_dimension(layer, {a.x(), 0}, {b.x(), 0}, -0.0125, "plate " + metres(b.x() - a.x()));
 }
 
 // The distance that a tape shows from P to P; on a curve it is neither the chainage's nor the
@@ -268,10 +259,7 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
     say(to_millimetre(place.chainage), -0.0018);
     say("h " + to_millimetre(place.height), 0.0018);
     if (last) {
-      layer.add(Dimension{.from = *last,
-                          .to = foot,
-                          .offset = -0.020,
-                          .text = to_millimetre(distance(*last_tag, *place.tag))});
+      add_dimension(layer, *last, foot, -0.020, to_millimetre(distance(*last_tag, *place.tag)));
     }
     last = foot;
     last_tag = place.tag;

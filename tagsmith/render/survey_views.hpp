@@ -21,6 +21,10 @@ namespace tagsmith::detail {
 std::string metres(double length);
 std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_world);
 
+// Adds a dimension between two points of the ground; `offset` as Dimension's.
+void add_dimension(SketchLayer& layer, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                   double offset, const std::string& text, const Colour& colour = colours::kBlack);
+
 // The plan and the elevation of each wall by strips, at a scale at which `least` can be read; only
 // the strips that are `wanted`, where that is given. The first plan shows the start of the drive
 // with its coordinates and heading, and each the grid's origin where it is near.
