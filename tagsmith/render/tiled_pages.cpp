@@ -157,14 +157,17 @@ void add_tile_texts(Page& page, const std::string& name, const TagDrawing& tag,
                   what_to_measure(tag), page.width - 2 * (plan.window.x + 0.018));
 }
 
+Page blank_page(const std::string& name, const PageNotes& notes, const TilePlan& plan) {
+  return {.name = name,
+          .width = plan.page_width,
+          .height = plan.page_height,
+          .line_width = 0.0001,
+          .notes = notes};
+}
+
 Page lay_out_tile(const std::string& name, const TagDrawing& tag, const PageNotes& notes,
                   const TilePlan& plan, int column, int row) {
-  Page page;
-  page.name = tile_address(column, row);
-  page.notes = notes;
-  page.width = plan.page_width;
-  page.height = plan.page_height;
-  page.line_width = 0.0001;
+  Page page = blank_page(tile_address(column, row), notes, plan);
   const PlatePoint corner = window_in_plate(plan, column, row);
   const PlatePoint page_from_plate{plan.window.x - corner.x, plan.window.y - corner.y};
   TagDrawing drawing = moved(tag, page_from_plate.x, page_from_plate.y);
@@ -246,12 +249,7 @@ void add_tile_map(Page& page, const TilePlan& plan, const PlatePoint& at, double
 
 Page lay_out_assembly(const std::string& name, const TagDrawing& tag, const PageNotes& notes,
                       const TilePlan& plan) {
-  Page page;
-  page.name = "assembly";
-  page.notes = notes;
-  page.width = plan.page_width;
-  page.height = plan.page_height;
-  page.line_width = 0.0001;
+  Page page = blank_page("assembly", notes, plan);
   const std::vector<std::string> lines = instructions(tag, plan);
   const double text_room = 0.0055 * static_cast<double>(lines.size()) + 0.006;
   const Rectangle area = content_area(page.width, page.height);
