@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -102,15 +103,12 @@ ColumnSigma sigmas_along(const VehicleCovariance& covariance, double heading) {
 
 // Adopts every greater value; infinite values, which mean no position, are left out.
 void raise(ColumnSigma& most, const ColumnSigma& sigma) {
-  const auto take = [](double& value, double other) {
-    if (!std::isfinite(value) || other > value) value = other;
-  };
   if (!std::isfinite(sigma.plane)) return;
-  take(most.plane, sigma.plane);
-  take(most.along, sigma.along);
-  take(most.across, sigma.across);
-  take(most.height, sigma.height);
-  take(most.heading, sigma.heading);
+  for (const auto part : {&ColumnSigma::plane, &ColumnSigma::along, &ColumnSigma::across,
+                          &ColumnSigma::height, &ColumnSigma::heading}) {
+    double& value = most.*part;
+    if (!std::isfinite(value) || sigma.*part > value) value = sigma.*part;
+  }
 }
 
 // Tags that a pose reads, by wall.
@@ -295,9 +293,8 @@ class Sweep {
                             BlockResult& result) {
     if (scratch.read_tags.size() != 1) return;
     const std::size_t tag = scratch.read_tags.front();
-    for (std::size_t i = first; i < result.sole_tags.size(); ++i) {
-      if (result.sole_tags[i].tag == tag) return;
-    }
+    const auto known = std::span(result.sole_tags).subspan(first);
+    if (std::ranges::find(known, tag, &SoleTag::tag) != known.end()) return;
     result.sole_tags.push_back({column, tag});
   }
 
@@ -370,15 +367,6 @@ class Sweep {
   AccuracyOptions accuracy_;
   std::vector<double> moved_;  // by camera: metres during the exposure at the planned speed
 };
-
-// A tag's uses in neighbouring blocks, in the order of the drive.
-void merge(TagUse& use, const TagUse& next) {
-  if (!use.is_read) {
-    use = next;
-  } else {
-    use.last = next.last;
-  }
-}
 
 // One camera at one place: on the center line, or so far to the right of it.
 Result<void> check_camera(const Survey& survey, const Rig& rig, const RigCamera& camera,
@@ -477,10 +465,15 @@ std::vector<std::pair<std::size_t, std::size_t>> blocks_of(const DrivePlan& plan
   return blocks;
 }
 
+// Blocks in the order of the drive.
 void gather(const std::vector<BlockResult>& results, DrivePlan& plan) {
   for (const BlockResult& result : results) {
     plan.sole_tags.insert(plan.sole_tags.end(), result.sole_tags.begin(), result.sole_tags.end());
-    for (const auto& [tag, use] : result.uses) merge(plan.tags[tag], use);
+    for (const auto& [tag, use] : result.uses) {
+      TagUse& known = plan.tags[tag];
+      if (!known.is_read) known = use;
+      known.last = use.last;
+    }
   }
 }
 
@@ -496,11 +489,7 @@ void LogHistogram::merge(const LogHistogram& other) {
   for (std::size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
 }
 
-long LogHistogram::count() const {
-  long sum = 0;
-  for (const long bin : bins_) sum += bin;
-  return sum;
-}
+long LogHistogram::count() const { return std::accumulate(bins_.begin(), bins_.end(), 0L); }
 
 double LogHistogram::quantile(double share) const {
   const double wanted = share * static_cast<double>(count());
