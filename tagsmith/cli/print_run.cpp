@@ -39,6 +39,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kManifestJson = "manifest.json";
+constexpr const char* kManifestCsv = "manifest.csv";
+
 // Micrometres are finer than anything surveyed or printed; more digits would be rounding noise.
 double to_micrometre(double metres) { return with_decimals(metres, 6); }
 double mm(double metres) { return std::round(metres * 1e9) / 1e6; }
@@ -134,12 +137,6 @@ Json common_json(const PrintJob& job) {
   return common;
 }
 
-Json tags_json(const PrintRecord& record) {
-  Json tags = json_list(record.tags, [](const auto& item) { return tag_json(item, {}); });
-  for (const Json& kept : Json::parse(record.kept_tags)) tags.push_back(kept);
-  return tags;
-}
-
 // Of a tag as the manifest has it: its row in manifest.csv, from the name to the files.
 std::vector<std::string> fields_of(const Json& item) {
   std::vector<std::string> fields{item.at("tag"), item.at("side"), item.at("digits")};
@@ -154,17 +151,21 @@ std::vector<std::string> fields_of(const Json& item) {
   return fields;
 }
 
-// The changes to the tags of an earlier print.
+// The tags of earlier prints into the folder, and what this print changes of them.
 struct EarlierTags {
-  Json kept = Json::array();           // all of whose files are still there
+  Json kept = Json::array();                       // all of whose files are still there
+  std::map<std::string, std::string> kept_sha256;  // of these files
+  std::set<std::string> same;          // names of those whose plates are the same in the survey now
   std::vector<std::string> gone;       // names of those whose files this print replaces
   std::vector<std::string> changed;    // files of those that differ in the survey now
   std::vector<std::string> again;      // files of those that this print has, too
   std::vector<std::string> left_over;  // files that no manifest lists any longer
+  Json
+      common;  // what the kept ones share, where nothing else is printed; null = the present values
 };
 
 void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& folder,
-                  const Survey& survey, PrintRecord& record, EarlierTags& tags) {
+                  const Survey& survey, const PrintRecord& record, EarlierTags& tags) {
   fields_of(tag);  // throws where one lacks, or is of another type
   const auto name = tag.at("tag").get<std::string>();
   const auto files = tag.at("files").get<std::vector<std::string>>();
@@ -181,7 +182,7 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
   }
   if (files.empty()) return;
   for (const std::string& file : files) {
-    record.kept_sha256[file] = earlier.at("sha256").at(file).get<std::string>();
+    tags.kept_sha256[file] = earlier.at("sha256").at(file).get<std::string>();
   }
   const PlacedTag* now = find_tag(survey, name);
   if (is_printed) {
@@ -189,7 +190,7 @@ void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& fo
   } else if (now == nullptr || to_string(now->digits) != tag.at("digits").get<std::string>()) {
     tags.changed.push_back(files.front());
   } else {
-    record.kept_names.insert(name);
+    tags.same.insert(name);
   }
   if (!tag.contains("revision")) tag["revision"] = earlier.at("revision");
   tags.kept.push_back(std::move(tag));
@@ -221,7 +222,7 @@ void find_left_over(const Json& earlier, const std::filesystem::path& folder,
                     const PrintRecord& record, EarlierTags& tags) {
   std::error_code ignored;
   for (const auto& [name, hash] : earlier.at("sha256").items()) {
-    const bool is_known = record.sha256.contains(name) || record.kept_sha256.contains(name);
+    const bool is_known = record.sha256.contains(name) || tags.kept_sha256.contains(name);
     const bool is_name = std::filesystem::path(name).filename() == name;
     if (is_known || !is_name || !std::filesystem::exists(folder / name, ignored)) continue;
     tags.left_over.push_back(name);
@@ -246,40 +247,51 @@ std::vector<std::string> warnings_of(const EarlierTags& tags) {
   return warnings;
 }
 
-}  // namespace
-
-std::string printed_tag_json(const PrintedTag& printed, const std::string& folder) {
-  return json_text(tag_json(printed, folder), -1);
-}
-
-std::vector<PrintedTag> printed_tags(const PrintJob& job) {
-  std::vector<PrintedTag> printed;
-  for (std::size_t unit = 0; unit < job.units.size(); ++unit) {
-    std::vector<std::string> files;
-    for (const PageInFile& page : pages_in_files(job, unit)) {
-      if (std::ranges::count(files, page.file) == 0) files.push_back(page.file);
+// Keeps the entries of the folder's manifest for files that this print does not change, so that
+// `verify` still knows whether they are stale. Nothing of a manifest of another survey, template,
+// printer or kind of print.
+EarlierTags earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
+                         const PrintRecord& record) {
+  constexpr std::uintmax_t kMostBytes = 16U << 20U;
+  const Result<std::string> bytes = read_file(folder / kManifestJson, kMostBytes);
+  if (!bytes) return {};
+  try {
+    const Json earlier = Json::parse(*bytes);
+    EarlierTags tags;
+    const Json common = common_json(job);
+    if (is_of_one_kind(job, earlier, common)) {
+      if (job.units.empty()) tags.common = common_of(earlier, common);
+      for (const Json& tag : earlier.at("tags")) {
+        take_earlier(tag, earlier, folder, *job.survey, record, tags);
+      }
     }
-    for (const PlacedTag* tag : job.units[unit].tags) printed.push_back({tag, files});
+    find_left_over(earlier, folder, record, tags);
+    return tags;
+  } catch (const nlohmann::json::exception&) {
+    return {};  // No manifest, or damaged: verify then names the files that no manifest lists.
   }
-  return printed;
 }
 
-std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) {
-  Json manifest = record.common.empty() ? common_json(job) : Json::parse(record.common);
+// manifest.json: the survey and its revision, how it was printed, the sizes common to all tags,
+// each tag, each file's SHA-256, and the proof.
+std::string manifest_json(const PrintJob& job, const PrintRecord& record, const Json& tags,
+                          const EarlierTags& earlier) {
+  Json manifest = earlier.common.is_null() ? common_json(job) : earlier.common;
   for (const char* key : {"tiles", "printer"}) {
     if (manifest.at(key).is_null()) manifest.erase(key);
   }
-  manifest["tags"] = tags_json(record);
+  manifest["tags"] = tags;
   manifest["documents"] = record.documents;
   std::map<std::string, std::string> hashes = record.sha256;
-  hashes.insert(record.kept_sha256.begin(), record.kept_sha256.end());
+  hashes.insert(earlier.kept_sha256.begin(), earlier.kept_sha256.end());
   manifest["sha256"] = hashes;
   if (job.roll) manifest["roll"] = roll_json(*job.roll);
   if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
   return json_text(manifest, 2) + "\n";
 }
 
-std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
+// manifest.csv: the tags, one a row (RFC 4180).
+std::string manifest_csv(const PrintJob& job, const Json& tags) {
   const TagTemplate& tag = job.printed;
   const Survey& survey = *job.survey;
   const Page page = typical_page(job);
@@ -288,7 +300,7 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
       "rounding_z,chainage,files,template,check_digit,page_width_mm,page_height_mm,plate_length_mm,"
       "plate_height_mm,frame_inner_length_mm,frame_inner_height_mm,module_mm,revision",
       ','));
-  for (const Json& item : tags_json(record)) {
+  for (const Json& item : tags) {
     std::vector<std::string> fields{survey.name, survey.file.string()};
     std::ranges::move(fields_of(item), std::back_inserter(fields));
     fields.insert(fields.end(), {tag.name, to_string(survey.code.check)});
@@ -303,34 +315,16 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
   return csv;
 }
 
-void keep_earlier_tags(const PrintJob& job, const std::filesystem::path& folder,
-                       PrintRecord& record) {
-  constexpr std::uintmax_t kMostBytes = 16U << 20U;
-  const Result<std::string> bytes = read_file(folder / "manifest.json", kMostBytes);
-  if (!bytes) return;
-  try {
-    const Json earlier = Json::parse(*bytes);
-    EarlierTags tags;
-    const Json common = common_json(job);
-    if (is_of_one_kind(job, earlier, common)) {
-      if (job.units.empty()) record.common = json_text(common_of(earlier, common));
-      for (const Json& tag : earlier.at("tags")) {
-        take_earlier(tag, earlier, folder, *job.survey, record, tags);
-      }
-    }
-    find_left_over(earlier, folder, record, tags);
-    record.kept_tags = json_text(tags.kept);
-    record.warnings = warnings_of(tags);
-  } catch (const nlohmann::json::exception&) {
-    // It is no manifest, or damaged: verify then names the files that no manifest lists.
-    record.kept_sha256.clear();
-    record.kept_names.clear();
-  }
+// The two of them, added to the files.
+Result<void> add_manifests(const PrintJob& job, const PrintRecord& record,
+                           const EarlierTags& earlier, const StagedFiles& files) {
+  Json tags = json_list(record.tags, [](const auto& item) { return tag_json(item, {}); });
+  for (const Json& kept : earlier.kept) tags.push_back(kept);
+  auto added = files.add(kManifestJson, manifest_json(job, record, tags, earlier));
+  return added ? files.add(kManifestCsv, manifest_csv(job, tags)) : added;
 }
 
 // ---- The files for a sign maker beside the print files.
-
-namespace {
 
 constexpr const char* kOrderPdf = "order.pdf";
 
@@ -462,8 +456,6 @@ Result<void> write_order(const PrintJob& job, const PrintRecord& record, const S
 
 constexpr const char* kSettingOutList = "setting-out.csv";
 constexpr const char* kSettingOutPdf = "setting-out.pdf";
-constexpr const char* kManifestJson = "manifest.json";
-constexpr const char* kManifestCsv = "manifest.csv";
 
 std::string coordinate(double metres) { return fmt::format("{:.4f}", metres + 0.0); }
 
@@ -502,9 +494,10 @@ Result<std::string> setting_out_pdf(const Survey& survey, std::span<const Settin
 
 // In the survey's order: the tags that the folder holds plates of, with the survey's digits, and
 // those whose plates move.
-std::vector<const PlacedTag*> tags_to_hang(const PrintJob& job, const PrintRecord& record) {
+std::vector<const PlacedTag*> tags_to_hang(const PrintJob& job, const PrintRecord& record,
+                                           const EarlierTags& earlier) {
   std::set<std::string> names = job.style.moved;
-  names.insert(record.kept_names.begin(), record.kept_names.end());
+  names.insert(earlier.same.begin(), earlier.same.end());
   for (const PrintedTag& printed : record.tags) names.insert(printed.tag->name);
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : job.survey->tags) {
@@ -514,10 +507,10 @@ std::vector<const PlacedTag*> tags_to_hang(const PrintJob& job, const PrintRecor
 }
 
 Result<void> write_setting_out(const PrintJob& job, const PrintRecord& record,
-                               const StagedFiles& files) {
+                               const EarlierTags& earlier, const StagedFiles& files) {
   if (!job.style.setting_out) return {};
   const Survey& survey = *job.survey;
-  const std::vector<const PlacedTag*> tags = tags_to_hang(job, record);
+  const std::vector<const PlacedTag*> tags = tags_to_hang(job, record, earlier);
   const double tolerance = job.style.tolerance > 0 ? job.style.tolerance : usual_tolerance(survey);
   const std::vector<SettingOut> list = setting_out(survey, tags, tolerance);
   auto added = files.add(kSettingOutList, setting_out_csv(survey, list, job.style.northing_first));
@@ -560,6 +553,19 @@ Result<void> prove_all(const PrintJob& job, const StagedFiles& files, PrintRecor
   return all;
 }
 
+// The job's tags and the files that show them.
+std::vector<PrintedTag> printed_tags(const PrintJob& job) {
+  std::vector<PrintedTag> printed;
+  for (std::size_t unit = 0; unit < job.units.size(); ++unit) {
+    std::vector<std::string> files;
+    for (const PageInFile& page : pages_in_files(job, unit)) {
+      if (std::ranges::count(files, page.file) == 0) files.push_back(page.file);
+    }
+    for (const PlacedTag* tag : job.units[unit].tags) printed.push_back({tag, files});
+  }
+  return printed;
+}
+
 // Tags, documents and the names of all files that hold them, still without checksums.
 PrintRecord planned_record(const PrintJob& job) {
   PrintRecord record{printed_tags(job), {}};
@@ -574,10 +580,11 @@ PrintRecord planned_record(const PrintJob& job) {
 
 // The folder's files, and the ZIP of all that its manifest has.
 Result<void> publish_with_zip(const PrintJob& job, const std::filesystem::path& folder,
-                              const PrintRecord& record, StagedFiles& files) {
+                              const PrintRecord& record, const EarlierTags& earlier,
+                              StagedFiles& files) {
   std::vector<ZipEntry> entries;
   for (const auto& [name, hash] : record.sha256) entries.push_back({name, files.staged(name)});
-  for (const auto& [name, hash] : record.kept_sha256) entries.push_back({name, folder / name});
+  for (const auto& [name, hash] : earlier.kept_sha256) entries.push_back({name, folder / name});
   for (const char* name : {kManifestJson, kManifestCsv}) {
     entries.push_back({name, files.staged(name)});
   }
@@ -597,8 +604,9 @@ Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder,
     auto written = write_print(job, files, [&] { bar.advance([] {}); });
     if (!written) return written;
   }
-  keep_earlier_tags(job, folder, record);
-  if (auto written = write_setting_out(job, record, files); !written) return written;
+  const EarlierTags earlier = earlier_tags(job, folder, record);
+  record.warnings = warnings_of(earlier);
+  if (auto written = write_setting_out(job, record, earlier, files); !written) return written;
   if (auto written = write_order(job, record, files); !written) return written;
   if (auto proved = prove_all(job, files, record); !proved || has_problems(record)) return proved;
   for (auto& [name, hash] : record.sha256) {
@@ -606,13 +614,16 @@ Result<void> write_all(const PrintJob& job, const std::filesystem::path& folder,
     if (!found) return fail(found);
     hash = *found;
   }
-  auto added = files.add(kManifestJson, print_manifest_json(job, record));
-  if (added) added = files.add(kManifestCsv, print_manifest_csv(job, record));
+  auto added = add_manifests(job, record, earlier, files);
   if (!added || job.style.zip.empty()) return added ? files.publish() : added;
-  return publish_with_zip(job, folder, record, files);
+  return publish_with_zip(job, folder, record, earlier, files);
 }
 
 }  // namespace
+
+std::string printed_tag_json(const PrintedTag& printed, const std::string& folder) {
+  return json_text(tag_json(printed, folder));
+}
 
 bool has_problems(const PrintRecord& record) {
   return record.proofs && std::ranges::any_of(*record.proofs, [](const TagProof& proof) {
