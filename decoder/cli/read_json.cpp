@@ -10,37 +10,24 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string check_digit_name(bool sum10_holds, bool gs1_holds) {
-  if (sum10_holds && gs1_holds) return "both";
-  if (sum10_holds) return "sum10";
-  return gs1_holds ? "gs1" : "none";
-}
-
 Json to_json(const FrameCorners& corners) {
   return json_list(corners, [](const PixelPoint& corner) -> Json {
     return {with_decimals(corner.x, 3), with_decimals(corner.y, 3)};
   });
 }
 
-Json to_json(const Reading& reading, const std::vector<Survey>& surveys) {
-  return {{"digits", to_string(reading.digits)},
-          {"check_digit", check_digit_name(reading)},
-          {"position", coded_position(reading.digits, surveys)},
-          {"corners", to_json(reading.corners)},
-          {"module_px", with_decimals(reading.module_px, 3)},
-          {"confidence", reading.confidence},
-          {"method", to_string(reading.method)}};
-}
-
-Json to_json(const FramelessReading& reading, const std::vector<Survey>& surveys) {
-  return {{"digits", to_string(reading.digits)},
-          {"check_digit", check_digit_name(reading)},
-          {"position", coded_position(reading.digits, surveys)},
-          {"corners", nullptr},
-          {"bars", to_json(reading.bars)},
-          {"module_px", with_decimals(reading.module_px, 3)},
-          {"confidence", reading.confidence},
-          {"method", "frameless"}};
+// What readings with and without a frame have in common; `places` are the corners of what was read.
+template <class AnyReading>
+Json to_json(const AnyReading& reading, const std::vector<Survey>& surveys, const Json& places,
+             const std::string& method) {
+  Json json{{"digits", to_string(reading.digits)},
+            {"check_digit", check_digit_name(reading)},
+            {"position", coded_position(reading.digits, surveys)}};
+  json.update(places);
+  json["module_px"] = with_decimals(reading.module_px, 3);
+  json["confidence"] = reading.confidence;
+  json["method"] = method;
+  return json;
 }
 
 Json to_json(const PartReading& part) {
@@ -68,19 +55,15 @@ GridPoint coded_position(const Digits& digits, const std::vector<Survey>& survey
   return position;
 }
 
-std::string check_digit_name(const Reading& reading) {
-  return check_digit_name(reading.sum10_holds, reading.gs1_holds);
-}
-
-std::string check_digit_name(const FramelessReading& reading) {
-  return check_digit_name(reading.sum10_holds, reading.gs1_holds);
-}
-
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys) {
   Json tags = Json::array();
-  for (const Reading& reading : readings.result.tags) tags.push_back(to_json(reading, surveys));
+  for (const Reading& reading : readings.result.tags) {
+    tags.push_back(to_json(reading, surveys, {{"corners", to_json(reading.corners)}},
+                           to_string(reading.method)));
+  }
   for (const FramelessReading& reading : readings.result.frameless.read) {
-    tags.push_back(to_json(reading, surveys));
+    tags.push_back(to_json(reading, surveys,
+                           {{"corners", nullptr}, {"bars", to_json(reading.bars)}}, "frameless"));
   }
   Json rejected = Json::array();
   for (const Rejection& rejection : readings.result.rejected) {

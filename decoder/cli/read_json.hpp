@@ -25,9 +25,13 @@ struct ImageReadings {
 // paper's (4, 4, 3 digits, centimetres, origin 0). Metres, rounded to a micrometre.
 GridPoint coded_position(const Digits& digits, const std::vector<Survey>& surveys);
 
-// "sum10", "gs1", "both", or "none".
-std::string check_digit_name(const Reading& reading);
-std::string check_digit_name(const FramelessReading& reading);
+// Which check digits hold: "sum10", "gs1", "both", or "none".
+template <class AnyReading>
+std::string check_digit_name(const AnyReading& reading) {
+  if (reading.sum10_holds && reading.gs1_holds) return "both";
+  if (reading.sum10_holds) return "sum10";
+  return reading.gs1_holds ? "gs1" : "none";
+}
 
 // Without its line end. Bytes of file names that are no UTF-8 become U+FFFD.
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys);
