@@ -630,26 +630,26 @@ std::vector<CommandOption> board_options(BoardCalibrationOptions& options) {
 }
 
 std::vector<CommandOption> calibrate_options(CalibrateOptions& options) {
-  std::vector<CommandOption> all = board_options(options.board);
   const std::vector<std::string> of_boards{"--board", "--format", "--camera", "--html",
                                            "--drawing"};
-  all.push_back(excluding(
-      of_boards, needing({"--rig", "--run"}, value_option("--survey", &options.survey, "SURVEY",
-                                                          "The survey whose tags the drive passes",
-                                                          ValueKind::survey))));
-  all.push_back(needing(
-      {"--survey"}, value_option("--run", &options.run, "RUN.csv",
-                                 "The drive: pictures and ranges, row by row", ValueKind::table)));
-  all.push_back(rig_option(&options.board.rig,
-                           "With photos: takes the camera's file and its sigmas over, comments "
-                           "kept. With a drive: the cameras as they are known"));
-  all.push_back(file_option(
-      "-o,--output", &options.board.output,
-      "With photos: the camera's file. With a drive: the rig with its cameras' mounting"));
-  all.push_back(
-      json_flag(options.board.json, "One JSON object a photo or camera, then the summary"));
-  all.push_back(jobs_option(options.board.jobs, "Photos read at once"));
-  return all;
+  return joined(
+      {board_options(options.board),
+       {excluding(of_boards,
+                  needing({"--rig", "--run"}, value_option("--survey", &options.survey, "SURVEY",
+                                                           "The survey whose tags the drive passes",
+                                                           ValueKind::survey))),
+        needing({"--survey"},
+                value_option("--run", &options.run, "RUN.csv",
+                             "The drive: pictures and ranges, row by row", ValueKind::table)),
+        rig_option(
+            &options.board.rig,
+            "With photos: takes the camera's file and its sigmas over, comments kept. With a "
+            "drive: the cameras as they are known"),
+        file_option(
+            "-o,--output", &options.board.output,
+            "With photos: the camera's file. With a drive: the rig with its cameras' mounting"),
+        json_flag(options.board.json, "One JSON object a photo or camera, then the summary"),
+        jobs_option(options.board.jobs, "Photos read at once")}});
 }
 
 Result<int> run(const CalibrateOptions& options) {

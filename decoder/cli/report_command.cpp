@@ -190,18 +190,19 @@ Command report_command() {
   Command command{
       .name = "report",
       .summary = "Merge what verify runs found into one report",
-      .options = {survey_argument(&options->survey, "The survey"),
-                  argument("FILE.jsonl", &options->files, ValueKind::json_lines,
-                           "Output of `verify --json`"),
-                  ledger_option(options->ledger,
-                                "Report what this file has of all photos; FILE.jsonl are entered "
-                                "in it before"),
-                  json_flag(options->json, "Print the summary as one JSON object")},
+      .options =
+          joined({{survey_argument(&options->survey, "The survey"),
+                   argument("FILE.jsonl", &options->files, ValueKind::json_lines,
+                            "Output of `verify --json`"),
+                   file_option("--ledger", &options->ledger,
+                               "Report what this file has of all photos; FILE.jsonl are entered "
+                               "in it before"),
+                   json_flag(options->json, "Print the summary as one JSON object")},
+                  report_options(options->report),
+                  hanging_options(options->hanging)}),
       .notes = kReportNotes,
       .run = [options] { return run(*options); },
   };
-  std::ranges::move(report_options(options->report), std::back_inserter(command.options));
-  std::ranges::move(hanging_options(options->hanging), std::back_inserter(command.options));
   for (CommandOption& option : command.options) {
     const std::string& name = option.names;
     if (name == "--pdf" || name == "--csv" || name == "--rig") option.excludes = {"--ledger"};

@@ -13,8 +13,8 @@
 #include "decoder/verify/verify_json.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
-#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/web_page.hpp"
@@ -423,10 +423,6 @@ Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
 }
 
 }  // namespace
-
-CommandOption ledger_option(std::string& ledger, const std::string& help) {
-  return file_option("--ledger", &ledger, help);
-}
 
 void add_ledger_files(const std::string& ledger, CommandFiles& files) {
   files.writes(ledger, "--ledger");

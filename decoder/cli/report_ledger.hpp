@@ -9,7 +9,6 @@
 
 #include "decoder/ledger/ledger.hpp"
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/cli/command.hpp"
 
 namespace tagsmith::detail {
 
@@ -22,9 +21,6 @@ struct LedgerOptions {
   std::string html;  // empty = no page
   bool json = false;
 };
-
-// --ledger FILE.
-CommandOption ledger_option(std::string& ledger, const std::string& help);
 
 // Names the ledger and what SQLite writes beside it as outputs of the command.
 void add_ledger_files(const std::string& ledger, CommandFiles& files);

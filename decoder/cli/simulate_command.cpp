@@ -461,20 +461,22 @@ std::vector<CommandOption> camera_options(SimulateOptions& options) {
 
 Command simulate_command() {
   const auto options = std::make_shared<SimulateOptions>();
-  Command command{
+  return {
       .name = "simulate",
       .summary = "What the cameras would see along a run, for rehearsals",
-      .options = {survey_argument(&options->survey, "The tunnel and its tags (survey.yaml)"),
-                  required(rig_option(&options->rig,
-                                      "The vehicle's cameras and range sensors (rig.yaml)")),
-                  required(value_option("--run", &options->run, "RUN.csv",
-                                        "True positions: id, truth_x, truth_y, truth_z, ...",
-                                        ValueKind::table)),
-                  required(folder_option("-o,--output", &options->folder,
-                                         "Folder for the images, run.csv and truth.json")),
-                  flag("--force", &options->force, "Write into a folder that is not empty"),
-                  json_flag(options->json, "One JSON object an image, the summary last"),
-                  jobs_option(options->jobs, "Images made at the same time")},
+      .options =
+          joined({{survey_argument(&options->survey, "The tunnel and its tags (survey.yaml)"),
+                   required(rig_option(&options->rig,
+                                       "The vehicle's cameras and range sensors (rig.yaml)")),
+                   required(value_option("--run", &options->run, "RUN.csv",
+                                         "True positions: id, truth_x, truth_y, truth_z, ...",
+                                         ValueKind::table)),
+                   required(folder_option("-o,--output", &options->folder,
+                                          "Folder for the images, run.csv and truth.json")),
+                   flag("--force", &options->force, "Write into a folder that is not empty"),
+                   json_flag(options->json, "One JSON object an image, the summary last"),
+                   jobs_option(options->jobs, "Images made at the same time")},
+                  camera_options(*options)}),
       .notes =
           "For each row and camera DIR/ID_CAMERA.png; DIR/run.csv with the ranges measured and the "
           "truth, for localize; DIR/truth.json with each plate's corners in pixels. Without "
@@ -486,8 +488,6 @@ Command simulate_command() {
           "    -o rehearsal",
       .run = [options] { return run_simulate(*options); },
   };
-  std::ranges::move(camera_options(*options), std::back_inserter(command.options));
-  return command;
 }
 
 }  // namespace tagsmith::detail

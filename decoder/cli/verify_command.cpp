@@ -599,42 +599,41 @@ Result<int> run(VerifyCommandOptions options) {
 
 Command verify_command() {
   auto options = std::make_shared<VerifyCommandOptions>();
-  Command command{
+  return {
       .name = "verify",
       .summary = "Check print files and photos against the survey",
-      .options =
-          {survey_argument(&options->survey, "The survey"),
-           argument(
-               "FILE", &options->files, ValueKind::file,
-               "Pictures, PDFs, SVGs, folders of them, or - for a list of files on standard input"),
-           value_option("--also", &options->also, "SURVEY",
-                        "Another survey, whose tags are named when they turn up here",
-                        ValueKind::survey),
-           value_option(
-               "--resume", &options->resume, "FILE.jsonl",
-               "Skip files whose content an earlier --json run verified against this survey "
-               "under the same conditions (manifest, --dpi, --also)",
-               ValueKind::json_lines),
-           ledger_option(options->ledger,
-                         "Add what the photos show of each plate to this history, for "
-                         "`report --ledger`"),
-           folder_option("--crops", &options->crops, "Folder for a picture of every faulty tag"),
-           folder_option("--annotate", &options->annotate,
-                         "Folder for a copy of every photo with its tags outlined and named"),
-           flag("--complete", &options->complete,
-                "Tags of the survey that no file shows are wrong too"),
-           json_flag(options->json, "One JSON object a file, then the summary"),
-           excluding({"--rig"},
-                     number_option("--dpi", &options->scan_dpi, "DPI", 10, 10'000,
-                                   "Pictures are flat scans of prints with so many dots per inch, "
-                                   "not photos: their printed size is checked, too")),
-           jobs_option(options->jobs, "Files read at once")},
+      .options = joined(
+          {{survey_argument(&options->survey, "The survey"),
+            argument("FILE", &options->files, ValueKind::file,
+                     "Pictures, PDFs, SVGs, folders of them, or - for a list of files on standard "
+                     "input"),
+            value_option("--also", &options->also, "SURVEY",
+                         "Another survey, whose tags are named when they turn up here",
+                         ValueKind::survey),
+            value_option(
+                "--resume", &options->resume, "FILE.jsonl",
+                "Skip files whose content an earlier --json run verified against this survey "
+                "under the same conditions (manifest, --dpi, --also)",
+                ValueKind::json_lines),
+            file_option("--ledger", &options->ledger,
+                        "Add what the photos show of each plate to this history, for "
+                        "`report --ledger`"),
+            folder_option("--crops", &options->crops, "Folder for a picture of every faulty tag"),
+            folder_option("--annotate", &options->annotate,
+                          "Folder for a copy of every photo with its tags outlined and named"),
+            flag("--complete", &options->complete,
+                 "Tags of the survey that no file shows are wrong too"),
+            json_flag(options->json, "One JSON object a file, then the summary"),
+            excluding({"--rig"},
+                      number_option("--dpi", &options->scan_dpi, "DPI", 10, 10'000,
+                                    "Pictures are flat scans of prints with so many dots per inch, "
+                                    "not photos: their printed size is checked, too")),
+            jobs_option(options->jobs, "Files read at once")},
+           report_options(options->report),
+           hanging_options(options->hanging)}),
       .notes = kVerifyNotes,
       .run = [options] { return run(*options); },
   };
-  std::ranges::move(report_options(options->report), std::back_inserter(command.options));
-  std::ranges::move(hanging_options(options->hanging), std::back_inserter(command.options));
-  return command;
 }
 
 }  // namespace tagsmith::detail

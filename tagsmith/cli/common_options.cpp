@@ -87,11 +87,18 @@ CommandOption file_option(const std::string& names, const ValueTarget& target,
   return value_option(names, target, "FILE", help, ValueKind::file);
 }
 
-std::vector<std::string> drawing_papers() { return {"a3", "a4", "letter"}; }
+CommandOption drawing_paper_option(const std::string& names, Paper& paper,
+                                   const std::string& help) {
+  const auto choose = [&paper](const std::string& name) {
+    paper = name == "a3" ? Paper::a3 : name == "a4" ? Paper::a4 : Paper::letter;
+  };
+  return choice_option(names, choose, {"a3", "a4", "letter"}, help);
+}
 
-Paper paper_of(const std::string& name) {
-  if (name == "letter") return Paper::letter;
-  return name == "a4" ? Paper::a4 : Paper::a3;
+std::vector<CommandOption> joined(std::initializer_list<std::vector<CommandOption>> groups) {
+  std::vector<CommandOption> all;
+  for (const auto& group : groups) all.insert(all.end(), group.begin(), group.end());
+  return all;
 }
 
 }  // namespace tagsmith::detail

@@ -2,6 +2,7 @@
 // Options that several commands have.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,10 @@ CommandOption folder_option(const std::string& names, const ValueTarget& target,
 CommandOption file_option(const std::string& names, const ValueTarget& target,
                           const std::string& help);
 
-// Papers of drawings, as options name them, and the paper of such a name.
-std::vector<std::string> drawing_papers();
-Paper paper_of(const std::string& name);
+// An option whose value is the paper of a drawing.
+CommandOption drawing_paper_option(const std::string& names, Paper& paper, const std::string& help);
+
+// The options of all groups, one group after the other.
+std::vector<CommandOption> joined(std::initializer_list<std::vector<CommandOption>> groups);
 
 }  // namespace tagsmith::detail

@@ -26,7 +26,7 @@ struct DrawOptions {
   std::vector<std::string> surveys;
   std::string rig;
   std::string output;
-  std::string paper = "a3";
+  Paper paper = Paper::a3;
 };
 
 // The files of the drawing are named when its sheets have been counted, and written last.
@@ -70,7 +70,7 @@ Result<int> draw(const DrawOptions& options) {
     if (!loaded) return fail(loaded);
     rig = std::move(*loaded);
   }
-  const auto sheets = all_sheets(*surveys, rig, paper_of(options.paper));
+  const auto sheets = all_sheets(*surveys, rig, options.paper);
   if (!sheets) return fail(sheets);
   const auto files = render_sheets(*sheets, options.output);
   if (!files) return fail(files);
@@ -100,8 +100,8 @@ Command draw_command() {
                   required(file_option(
                       "-o,--output", &options->output,
                       "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...")),
-                  choice_option("--paper", &options->paper, drawing_papers(),
-                                "Paper, landscape (default: a3)")},
+                  drawing_paper_option("--paper", options->paper,
+                                       "Paper, landscape (default: a3)")},
       .notes =
           "Compare the drawing with the tunnel before anything is printed. It is to scale: print "
           "it at 100 %. The plan is never mirrored; a grid whose x grows to the left shows so in "

@@ -582,27 +582,27 @@ std::vector<CommandOption> list_options(NewOptions& options) {
 
 // The options that shape a draft from points.
 std::vector<CommandOption> draft_options(NewOptions& options) {
-  const std::vector<CommandOption> fit{
-      value_option("--template", &options.template_name, "NAME", "Plate (default: tag-400x300)"),
-      choice_option("--x-axis", &options.x_axis, {"right", "left"},
-                    "right (default) or left of +y seen from above, where the grid's x grows"),
-      choice_option("--check-digit", &options.check_digit, {"gs1", "sum10"},
-                    "gs1 (default) or sum10"),
-      number_option("--tolerance", &options.tolerance_mm, "MM", 0.1, 10'000,
-                    "How far a point may be off, millimetres (default: 30)"),
-      number_option("--mount-height", &options.mount_height, "M", 0, 100,
-                    "Metres of P above the floor, for lists without floor points"),
-      number_option("--width", &options.width, "M", 0.1, 1000,
-                    "Metres between the walls, for lists without wall points: an alignment alone"),
-      number_option("--tunnel-height", &options.tunnel_height, "M", 0.1, 1000,
-                    "Metres of the roof above the floor, for lists without roof points"),
-      choice_option("--walls", &options.walls, {"parallel", "measured"},
-                    "parallel (default): one width for all; measured: walls and roof run through "
-                    "their points, the center line through CL")};
-  std::vector<CommandOption> draft = list_options(options);
-  draft.insert(draft.end(), fit.begin(), fit.end());
-  std::ranges::move(layout_options(options), std::back_inserter(draft));
-  draft.push_back(json_flag(options.json, "One JSON object a point, then a summary"));
+  std::vector<CommandOption> draft = joined(
+      {list_options(options),
+       {value_option("--template", &options.template_name, "NAME", "Plate (default: tag-400x300)"),
+        choice_option("--x-axis", &options.x_axis, {"right", "left"},
+                      "right (default) or left of +y seen from above, where the grid's x grows"),
+        choice_option("--check-digit", &options.check_digit, {"gs1", "sum10"},
+                      "gs1 (default) or sum10"),
+        number_option("--tolerance", &options.tolerance_mm, "MM", 0.1, 10'000,
+                      "How far a point may be off, millimetres (default: 30)"),
+        number_option("--mount-height", &options.mount_height, "M", 0, 100,
+                      "Metres of P above the floor, for lists without floor points"),
+        number_option(
+            "--width", &options.width, "M", 0.1, 1000,
+            "Metres between the walls, for lists without wall points: an alignment alone"),
+        number_option("--tunnel-height", &options.tunnel_height, "M", 0.1, 1000,
+                      "Metres of the roof above the floor, for lists without roof points"),
+        choice_option("--walls", &options.walls, {"parallel", "measured"},
+                      "parallel (default): one width for all; measured: walls and roof run through "
+                      "their points, the center line through CL")},
+       layout_options(options),
+       {json_flag(options.json, "One JSON object a point, then a summary")}});
   for (CommandOption& option : draft) option.needs.emplace_back("--from");
   return draft;
 }
@@ -611,16 +611,17 @@ std::vector<CommandOption> draft_options(NewOptions& options) {
 
 Command new_command() {
   const auto options = std::make_shared<NewOptions>();
-  Command command{
+  return {
       .name = "new",
       .summary = "Survey and rig files to edit, or a survey from surveyed points",
-      .options =
-          {required(argument("NAME", &options->name, ValueKind::folder,
-                             "Folder to make; the survey has its name")),
-           value_option(
-               "--from", &options->points, "FILE",
-               "Draft the survey from these points: a table (CSV), LandXML, Leica GSI, RW5 or DXF",
-               ValueKind::table)},
+      .options = joined(
+          {{required(argument("NAME", &options->name, ValueKind::folder,
+                              "Folder to make; the survey has its name")),
+            value_option(
+                "--from", &options->points, "FILE",
+                "Draft the survey from these points: a table (CSV), LandXML, Leica GSI, RW5 or DXF",
+                ValueKind::table)},
+           draft_options(*options)}),
       .notes =
           "Descriptions of points, by their first word: TL TR a tag's P on the left or right wall "
           "(or its name, as 000L), WL WR the wall in the plates' plane, CL the center line on the "
@@ -633,8 +634,6 @@ Command new_command() {
           "  tagsmith new drift-8 --from points.csv --order PENZD --tunnel-height 2.8",
       .run = [options] { return run_new(*options); },
   };
-  std::ranges::move(draft_options(*options), std::back_inserter(command.options));
-  return command;
 }
 
 }  // namespace tagsmith::detail

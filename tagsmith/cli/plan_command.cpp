@@ -327,7 +327,7 @@ struct PlanCommandOptions {
   std::string survey;
   std::string rig;
   std::string folder;
-  std::string paper = "a3";
+  Paper paper = Paper::a3;
   PlanOptions plan;
   bool optimise = false;
   OptimiseOptions optimisation;
@@ -411,7 +411,7 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
       files.push_back({folder / file.name, file.bytes});
     }
   }
-  const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan, paper_of(options.paper));
+  const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan, options.paper);
   if (!sheets) return fail(sheets);
   for (const char* name : {"plan.pdf", "plan.svg"}) {
     const auto rendered = render_sheets(*sheets, folder / name);
@@ -510,24 +510,27 @@ std::vector<CommandOption> optimise_options(OptimiseOptions& options) {
 
 Command plan_command() {
   const auto options = std::make_shared<PlanCommandOptions>();
-  Command command{
+  return {
       .name = kName,
       .summary =
           "What the cameras will see along the drive, and how well the vehicle will know "
           "its place",
-      .options =
-          {survey_argument(&options->survey, "Survey file (YAML)"),
-           required(rig_option(&options->rig,
-                               "Rig file (YAML); vehicle.envelope says how far it strays")),
-           folder_option("-o,--output", &options->folder,
-                         "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
-                         "--optimise, the chosen survey; made if missing"),
-           needing({"--output"},
-                   choice_option("--paper", &options->paper, drawing_papers(),
-                                 "Paper of plan.pdf and plan.svg, landscape (default: a3)")),
-           json_flag(options->json, "One JSON object instead of the report"),
-           flag("--optimise", &options->optimise,
+      .options = joined(
+          {{survey_argument(&options->survey, "Survey file (YAML)"),
+            required(rig_option(&options->rig,
+                                "Rig file (YAML); vehicle.envelope says how far it strays")),
+            folder_option("-o,--output", &options->folder,
+                          "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
+                          "--optimise, the chosen survey; made if missing"),
+            needing({"--output"}, drawing_paper_option(
+                                      "--paper", options->paper,
+                                      "Paper of plan.pdf and plan.svg, landscape (default: a3)")),
+            json_flag(options->json, "One JSON object instead of the report"),
+            flag(
+                "--optimise", &options->optimise,
                 "Look for the cheapest layout that keeps the promise below; -o writes its survey")},
+           optimise_options(options->optimisation),
+           drive_options(options->plan)}),
       .notes =
           "Exit code: 0 every pose has a position, 1 some have none, 2 a file cannot be read.\n\n"
           "Example:\n"
@@ -536,9 +539,6 @@ Command plan_command() {
           "    --optimise --plane-sigma 5 --tags-lost 1 -o out/better",
       .run = [options] { return plan(*options); },
   };
-  std::ranges::move(optimise_options(options->optimisation), std::back_inserter(command.options));
-  std::ranges::move(drive_options(options->plan), std::back_inserter(command.options));
-  return command;
 }
 
 }  // namespace tagsmith::detail

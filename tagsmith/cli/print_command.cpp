@@ -36,9 +36,6 @@ struct PrintOptions {
   std::vector<std::string> tags;  // names; empty = all
   std::string only;               // file that names tags; empty = none
   std::string paper;
-  std::string point_order = "PENZD";
-  std::string setting_out_paper = "a3";
-  std::string zip;      // all files in one; empty = none
   std::string profile;  // of the printer; empty = none
   std::string press;    // its ICC profile; empty = no PDF/X
   bool no_setting_out = false;
@@ -102,13 +99,10 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   if (options.has("png")) style.formats.push_back(SheetFormat::png);
   style.revision = survey_revision(survey);
   style.setting_out = !options.no_setting_out;
-  style.setting_out_paper = paper_of(options.setting_out_paper);
-  style.northing_first = options.point_order == "PNEZD";
   if (options.proof) style.prove = prove;
-  style.zip = options.zip;
-  style.order = style.order || !options.zip.empty();
-  if (!options.zip.empty() && style.zip.extension() != ".zip") {
-    return fail("--zip " + options.zip + ": expected a name that ends in .zip");
+  style.order = style.order || !style.zip.empty();
+  if (!style.zip.empty() && style.zip.extension() != ".zip") {
+    return fail("--zip " + style.zip.string() + ": expected a name that ends in .zip");
   }
   const bool has_pdf = std::ranges::count(style.formats, SheetFormat::pdf) > 0;
   if (!has_pdf && (!options.press.empty() || style.outline_text)) {
@@ -243,7 +237,7 @@ void report(const PrintRecord& record, const PrintOptions& options) {
   }
   for (const std::string& file : record.documents) others.push_back(folder + file);
   others.insert(others.end(), {folder + "manifest.json", folder + "manifest.csv"});
-  if (!options.zip.empty()) others.push_back(options.zip);
+  if (!options.style.zip.empty()) others.push_back(options.style.zip.string());
   if (!options.json) {
     for (const std::string& file : others) to_stdout("{}\n", file);
     return;
@@ -386,12 +380,12 @@ std::vector<CommandOption> installer_options(PrintOptions& options) {
       flag("--order", &options.style.order,
            "With order.pdf for the sign maker (counts, sizes, material), and the contours of "
            "each page as DXF"),
-      file_option("--zip", &options.zip, "All of it, the order too, in this ZIP as well"),
-      excluding(
-          {"--no-setting-out"},
-          choice_option("--setting-out-paper", &options.setting_out_paper, drawing_papers(),
-                        "Of setting-out.pdf: its drawing on this paper, its table on Letter or "
-                        "else A4 (default: a3)")),
+      file_option("--zip", &options.style.zip, "All of it, the order too, in this ZIP as well"),
+      excluding({"--no-setting-out"},
+                drawing_paper_option(
+                    "--setting-out-paper", options.style.setting_out_paper,
+                    "Of setting-out.pdf: its drawing on this paper, its table on Letter or "
+                    "else A4 (default: a3)")),
       excluding(
           {"--no-setting-out"},
           length_option("--tolerance", options.style.tolerance,
@@ -401,7 +395,11 @@ std::vector<CommandOption> installer_options(PrintOptions& options) {
       excluding(
           {"--no-setting-out"},
           choice_option(
-              "--point-order", &options.point_order, {"PENZD", "PNEZD"},
+              "--point-order",
+              [&options](const std::string& order) {
+                options.style.northing_first = order == "PNEZD";
+              },
+              {"PENZD", "PNEZD"},
               "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)"))};
 }
 
@@ -409,15 +407,19 @@ std::vector<CommandOption> installer_options(PrintOptions& options) {
 
 Command print_command(const ProvePages& prove) {
   const auto options = std::make_shared<PrintOptions>();
-  Command command{
+  return {
       .name = "print",
       .summary = "Print-ready PDF, SVG and PNG files of a survey's tags, and the installer's lists",
-      .options = {survey_argument(&options->survey, "Survey file (YAML)"),
-                  required(
-                      folder_option("-o,--output", &options->folder,
-                                    "Folder for the files and their manifest; made if missing")),
-                  json_flag(options->json, "One JSON object a printed tag, then a summary"),
-                  jobs_option(options->style.jobs, "Cores to use at most")},
+      .options = joined(
+          {{survey_argument(&options->survey, "Survey file (YAML)"),
+            required(folder_option("-o,--output", &options->folder,
+                                   "Folder for the files and their manifest; made if missing")),
+            json_flag(options->json, "One JSON object a printed tag, then a summary"),
+            jobs_option(options->style.jobs, "Cores to use at most")},
+           choice_options(*options),
+           paper_options(*options),
+           printer_options(*options),
+           installer_options(*options)}),
       .notes =
           "Every page is at true scale, with a 100 mm scale bar in both directions: print at "
           "100 %, then measure both. Exit: 0 printed, 1 the proof found a fault, 2 wrong use or "
@@ -430,11 +432,6 @@ Command print_command(const ProvePages& prove) {
           "000L,003R",
       .run = [options, prove] { return print(*options, prove); },
   };
-  for (const auto& group : {choice_options(*options), paper_options(*options),
-                            printer_options(*options), installer_options(*options)}) {
-    std::ranges::copy(group, std::back_inserter(command.options));
-  }
-  return command;
 }
 
 }  // namespace tagsmith::detail
