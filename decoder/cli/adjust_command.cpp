@@ -516,10 +516,7 @@ Result<void> write_drawing(const AdjustOptions& options, const Survey& survey,
   if (!sheets) return fail(sheets);
   const auto files = render_sheets(*sheets, options.drawing);
   if (!files) return fail(files);
-  for (const SheetFile& file : *files) {
-    if (auto written = write_file(file.path, file.bytes); !written) return written;
-  }
-  return {};
+  return publish_files(*files);
 }
 
 // Why the places must not be used; nothing where they may.

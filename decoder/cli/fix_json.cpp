@@ -13,15 +13,10 @@ using Json = nlohmann::ordered_json;
 
 Json json_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
+// Row by row.
 Json covariance_json(const Fix& fix) {
   if (!fix.covariance_in_grid) return {};
-  Json values = Json::array();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      values.push_back((*fix.covariance_in_grid)(row, column));
-    }
-  }
-  return values;
+  return number_list(Eigen::Matrix3d(fix.covariance_in_grid->transpose()));
 }
 
 void add_attitude(Json& line, const Fix& fix) {

@@ -40,7 +40,6 @@
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
-#include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/text.hpp"
@@ -354,20 +353,12 @@ Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& in
     if (!text) return fail(text);
     files.push_back({options.tum, std::move(*text)});
   }
-  return publish_files(files);
-}
-
-// A picture of each measurement's residuals: NUMBER-ID.svg, all or none.
-Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
-                            const std::vector<Fix>& fixes) {
-  Result<StagedFiles> files = StagedFiles::begin(folder);
-  if (!files) return fail(files);
-  for (std::size_t i = 0; i < fixes.size(); ++i) {
+  for (std::size_t i = 0; i < fixes.size() && !options.pictures.empty(); ++i) {
     if (fixes[i].corners.empty()) continue;
-    auto added = files->add(picture_name(i + 1, fixes[i].id), residual_picture(fixes[i], rig));
-    if (!added) return added;
+    files.push_back({options.pictures / picture_name(i + 1, fixes[i].id),
+                     residual_picture(fixes[i], input.rig)});
   }
-  return files->publish();
+  return publish_files(files);
 }
 
 // Why no position of the run should be used; empty = nothing says so.
@@ -492,10 +483,6 @@ Result<int> run_localize(LocalizeOptions options) {
   const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
     return fail(written);
-  }
-  if (!options.pictures.empty()) {
-    const auto written = write_pictures(options.pictures, input->rig, fixes);
-    if (!written) return fail(written);
   }
   if (options.json) {
     print_json(located, *input, options, findings);

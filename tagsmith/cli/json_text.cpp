@@ -22,6 +22,10 @@ double with_digits(double value, int digits) {
                        digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
 }
 
+nlohmann::ordered_json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
 nlohmann::ordered_json number_list(std::span<const double> values) {
   return json_list(values, [](double value) { return value; });
 }

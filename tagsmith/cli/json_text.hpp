@@ -21,6 +21,9 @@ double with_decimals(double value, int decimals);
 // Rounded to that many digits; 0 for what is not finite.
 double with_digits(double value, int digits);
 
+// JSON has no infinity: null stands for what is not finite.
+nlohmann::ordered_json finite_or_null(double value);
+
 // What `json_of` makes of each item, as a list.
 template <class Items, class JsonOf, class Json = nlohmann::ordered_json>
 Json json_list(const Items& items, const JsonOf& json_of) {

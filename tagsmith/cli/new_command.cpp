@@ -16,12 +16,12 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
-#include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/draft/check_points.hpp"
 #include "tagsmith/draft/draft_survey.hpp"
 #include "tagsmith/draft/fit_tunnel.hpp"
@@ -89,37 +89,23 @@ Result<void> check_name(const NewOptions& options) {
   return {};
 }
 
-struct NamedText {
-  std::string name;
-  std::string text;
-};
-
-Result<void> write_files(const NewOptions& options, const std::vector<NamedText>& texts) {
-  for (const NamedText& file : texts) {
-    const fs::path path = fs::path(options.name) / file.name;
+Result<void> write_files(const std::vector<SheetFile>& files) {
+  for (const SheetFile& file : files) {
     std::error_code ignored;
-    if (fs::exists(path, ignored)) return fail(path.string() + ": is there already");
+    if (fs::exists(file.path, ignored)) return fail(file.path.string() + ": is there already");
   }
-  Result<StagedFiles> files = StagedFiles::begin(options.name);
-  if (!files) return fail(files);
-  for (const NamedText& file : texts) {
-    if (auto added = files->add(file.name, file.text); !added) return added;
-  }
-  return files->publish();
+  return publish_files(files);
 }
 
 Result<void> write_to_edit(const NewOptions& options) {
   const std::string name = survey_name(options);
-  if (auto written = write_files(
-          options, {{"survey.yaml", survey_to_edit(name)}, {"rig.yaml", rig_to_edit(name)}});
-      !written) {
-    return written;
-  }
-  const fs::path folder = options.name;
-  to_stdout("{}\n{}\n", (folder / "survey.yaml").string(), (folder / "rig.yaml").string());
-  to_stderr("edit them, then: tagsmith validate {} --rig {}\n",
-            shell_word((folder / "survey.yaml").string()),
-            shell_word((folder / "rig.yaml").string()));
+  const std::string survey = (fs::path(options.name) / "survey.yaml").string();
+  const std::string rig = (fs::path(options.name) / "rig.yaml").string();
+  auto written = write_files({{survey, survey_to_edit(name)}, {rig, rig_to_edit(name)}});
+  if (!written) return written;
+  to_stdout("{}\n{}\n", survey, rig);
+  to_stderr("edit them, then: tagsmith validate {} --rig {}\n", shell_word(survey),
+            shell_word(rig));
   return {};
 }
 
@@ -361,13 +347,15 @@ std::string point_name(const SurveyedPoint& point) {
 }
 
 // survey.yaml, or survey-1.yaml and so on.
-std::string file_name(const Drafted& drafted, std::size_t part) {
-  return drafted.parts.size() == 1 ? "survey.yaml" : "survey-" + std::to_string(part + 1) + ".yaml";
+fs::path file_of(const NewOptions& options, const Drafted& drafted, std::size_t part) {
+  const bool is_whole = drafted.parts.size() == 1;
+  return fs::path(options.name) /
+         (is_whole ? "survey.yaml" : "survey-" + std::to_string(part + 1) + ".yaml");
 }
 
 Json part_json(const NewOptions& options, const Drafted& drafted, std::size_t index) {
   const DraftPart& part = drafted.parts[index];
-  return {{"file", (fs::path(options.name) / file_name(drafted, index)).string()},
+  return {{"file", file_of(options, drafted, index).string()},
           {"survey", part.draft.name},
           {"from", with_decimals(part.from, 6)},
           {"to", with_decimals(part.to, 6)},
@@ -463,9 +451,8 @@ void report_resolution(const SurveyDraft& draft) {
 }
 
 // The report of validate on the file that was written: findings, then their number. Exit code.
-Result<int> report_draft(const NewOptions& options, const std::string& name,
+Result<int> report_draft(const NewOptions& options, const std::string& file,
                          FindingPrinter& printer) {
-  const std::string file = (fs::path(options.name) / name).string();
   const Result<Diagnosed<Survey>> reading = read_survey(file);
   if (!reading) return fail(reading);
   for (const Diagnostic& finding : reading->diagnostics) {
@@ -481,8 +468,8 @@ Result<int> report_draft(const NewOptions& options, const std::string& name,
 }
 
 // A layout that nobody has hung yet is proposed whole or not at all.
-Result<void> check_proposal(const NewOptions& options, const std::string& text) {
-  const Diagnosed<Survey> reading = read_survey_text(fs::path(options.name) / "survey.yaml", text);
+Result<void> check_proposal(const NewOptions& options, const SheetFile& file) {
+  const Diagnosed<Survey> reading = read_survey_text(file.path, file.bytes);
   std::string faults;
   for (const Diagnostic& finding : reading.diagnostics) {
     if (finding.severity != Severity::error) continue;
@@ -496,14 +483,14 @@ Result<void> check_proposal(const NewOptions& options, const std::string& text) 
 Result<int> write_draft(const NewOptions& options) {
   const Result<Drafted> drafted = make_draft(options);
   if (!drafted) return fail(drafted);
-  std::vector<NamedText> files;
+  std::vector<SheetFile> files;
   for (std::size_t i = 0; i < drafted->parts.size(); ++i) {
-    files.push_back({file_name(*drafted, i), draft_survey(drafted->parts[i].draft)});
-    if (auto fits = check_proposal(options, files.back().text); options.height && !fits) {
+    files.push_back({file_of(options, *drafted, i), draft_survey(drafted->parts[i].draft)});
+    if (auto fits = check_proposal(options, files.back()); options.height && !fits) {
       return fail(fits);
     }
   }
-  if (auto written = write_files(options, files); !written) return fail(written);
+  if (auto written = write_files(files); !written) return fail(written);
   FindingPrinter printer;
   for (const Diagnostic& warning : drafted->warnings) {
     to_stderr("{}", Lines{printer.text_of(warning)});
@@ -513,8 +500,8 @@ Result<int> write_draft(const NewOptions& options) {
   std::fflush(stdout);  // residuals before findings
   if (!drafted->whole.of_export) report_resolution(drafted->parts.front().draft);
   int worst = kExitOk;
-  for (const NamedText& file : files) {
-    const Result<int> code = report_draft(options, file.name, printer);
+  for (const SheetFile& file : files) {
+    const Result<int> code = report_draft(options, file.path.string(), printer);
     if (!code) return fail(code);
     worst = std::max(worst, *code);
   }

@@ -45,24 +45,22 @@ struct OptimiseOptions {
   Requirement requirement;
   CostOrder order = CostOrder::tags;
   std::vector<std::string> vary{"height", "plate", "stagger", "alpha"};
-};
 
-// A file of the chosen layout: the survey, the rig where alpha changed, and the template where it
-// is not one of the tool's own.
-struct LayoutFile {
-  std::string name;
-  std::string bytes;
+  bool varies(const char* what) const { return std::ranges::count(vary, what) > 0; }
 };
 
 // The chosen layout as files, read back from them: the next plan uses what was written.
 struct OptimisedDrive {
   Optimisation optimisation;
-  std::vector<LayoutFile> files;
+  // By name: the survey, the rig where alpha changed, and the template where it is not one of the
+  // tool's own.
+  std::vector<SheetFile> files;
   Survey survey;
   Rig rig;
 };
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 // Templates to choose from, by file.
 using Templates = std::map<fs::path, TagTemplate>;
@@ -96,8 +94,6 @@ bool is_same_plate(const TagTemplate& a, const TagTemplate& b) {
          a.frame_inner_height == b.frame_inner_height;
 }
 
-std::string number(double value, int decimals) { return format_number(value, decimals); }
-
 std::vector<YamlEdit> survey_edits(const Survey& survey, const Layout& layout,
                                    const std::string& template_name) {
   const TagSeries& given = *survey.series;
@@ -108,13 +104,14 @@ std::vector<YamlEdit> survey_edits(const Survey& survey, const Layout& layout,
     edits.push_back({{"tags"}, key, value, instead_of});
   };
   if (!is_same_plate(survey.tag_template, layout.tag_template)) change("template", template_name);
-  if (series.spacing != given.spacing) change("spacing", number(series.spacing, 3));
-  if (series.mount_height != given.mount_height) change("height", number(series.mount_height, 3));
+  if (series.spacing != given.spacing) change("spacing", format_number(series.spacing, 3));
+  if (series.mount_height != given.mount_height)
+    change("height", format_number(series.mount_height, 3));
   if (series.pairs != given.pairs) change("pairs", std::to_string(series.pairs), "to");
   if (series.pair_angle != given.pair_angle) {
     const double facing =
         std::atan2(layout.tag_template.frame_inner_length, width_at(survey.tunnel, series.first));
-    change("theta", number(degrees(series.pair_angle.value_or(facing)), 9));
+    change("theta", format_number(degrees(series.pair_angle.value_or(facing)), 9));
   }
   return edits;
 }
@@ -130,10 +127,10 @@ std::vector<YamlEdit> rig_edits(const Rig& rig, double alpha) {
   std::vector<YamlEdit> edits;
   for (const RigCamera& camera : rig.cameras) {
     if (is_level(camera)) {
-      edits.push_back({{"cameras", camera.name}, "alpha", number(degrees(alpha), 3), "yaw"});
+      edits.push_back({{"cameras", camera.name}, "alpha", format_number(degrees(alpha), 3), "yaw"});
     } else {
       const double yaw = (camera.side == Side::left ? 90 : -90) * (1 - degrees(alpha) / 90);
-      edits.push_back({{"cameras", camera.name}, "yaw", number(yaw, 3), {}});
+      edits.push_back({{"cameras", camera.name}, "yaw", format_number(yaw, 3), {}});
     }
   }
   return edits;
@@ -191,7 +188,7 @@ Result<void> write_rig(const Rig& rig, const Layout& layout, OptimisedDrive& dri
 
 std::string stagger_text(const Layout& layout) {
   if (!layout.series.pair_angle) return "facing";
-  return number(degrees(*layout.series.pair_angle), 1) + " deg";
+  return format_number(degrees(*layout.series.pair_angle), 1) + " deg";
 }
 
 std::string row(const LayoutReport& report, const Optimisation& optimisation) {
@@ -199,9 +196,9 @@ std::string row(const LayoutReport& report, const Optimisation& optimisation) {
   return fmt::format(
       "{} {:<20}{:>5}{:>9.2f}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>13}{:>13}\n",
       report.name == optimisation.chosen.name ? ">" : " ", report.name, report.tags,
-      report.plate_area, number(layout.series.spacing, 3), number(layout.series.mount_height, 2),
-      layout.tag_template.name, stagger_text(layout),
-      layout.alpha ? number(degrees(*layout.alpha), 1) : "given",
+      report.plate_area, format_number(layout.series.spacing, 3),
+      format_number(layout.series.mount_height, 2), layout.tag_template.name, stagger_text(layout),
+      layout.alpha ? format_number(degrees(*layout.alpha), 1) : "given",
       std::isfinite(report.worst_plane) ? fmt::format("{:.1f} mm", 1000 * report.worst_plane)
                                         : "none",
       report.meets ? "met" : fmt::format("{:.1f} %", 100 * report.met_share));
@@ -224,26 +221,24 @@ std::string table(const Optimisation& optimisation) {
   return text;
 }
 
-nlohmann::ordered_json json_of(const LayoutReport& report) {
+Json json_of(const LayoutReport& report) {
   const Layout& layout = report.layout;
-  nlohmann::ordered_json json;
-  json["name"] = report.name;
-  json["tags"] = report.tags;
-  json["plate_area"] = report.plate_area;
-  json["template"] = layout.tag_template.name;
-  json["spacing"] = layout.series.spacing;
-  json["height"] = layout.series.mount_height;
-  json["pairs"] = layout.series.pairs;
-  json["theta_deg"] = nullptr;
-  if (layout.series.pair_angle) json["theta_deg"] = degrees(*layout.series.pair_angle);
-  json["alpha_deg"] = nullptr;
-  if (layout.alpha) json["alpha_deg"] = degrees(*layout.alpha);
-  json["meets"] = report.meets;
-  json["met_share"] = report.met_share;
-  json["covered_share"] = report.covered_share;
-  json["plane_any_pose"] = nullptr;
-  if (std::isfinite(report.worst_plane)) json["plane_any_pose"] = report.worst_plane;
-  return json;
+  const auto in_degrees = [](const std::optional<double>& angle) {
+    return angle ? Json(degrees(*angle)) : Json();
+  };
+  return {{"name", report.name},
+          {"tags", report.tags},
+          {"plate_area", report.plate_area},
+          {"template", layout.tag_template.name},
+          {"spacing", layout.series.spacing},
+          {"height", layout.series.mount_height},
+          {"pairs", layout.series.pairs},
+          {"theta_deg", in_degrees(layout.series.pair_angle)},
+          {"alpha_deg", in_degrees(layout.alpha)},
+          {"meets", report.meets},
+          {"met_share", report.met_share},
+          {"covered_share", report.covered_share},
+          {"plane_any_pose", finite_or_null(report.worst_plane)}};
 }
 
 Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
@@ -251,8 +246,8 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
   const Templates templates = available_templates(survey);
   std::vector<TagTemplate> plates;
   for (const auto& [path, tag] : templates) plates.push_back(tag);
-  const auto may = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
-  const Freedom freedom{may("height"), may("plate"), may("stagger"), may("alpha")};
+  const Freedom freedom{options.varies("height"), options.varies("plate"),
+                        options.varies("stagger"), options.varies("alpha")};
   std::optional<ProgressBar> bar;
   const auto show = [&bar](std::size_t, std::size_t total) {
     if (!bar) bar.emplace("layouts", total);
@@ -274,16 +269,16 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
 
 // What was tried of each freedom, and what is never tried.
 std::string limits_text(const OptimiseOptions& options, bool alpha_can_vary) {
-  const auto varies = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
   std::string text = "\ntried       spacing from 0.05 to 20 m in steps of 0.05 m\n";
   const auto add = [&](const char* line) { text += std::string(12, ' ') + line + "\n"; };
-  if (varies("plate")) add("every template of the tool and of the survey's folder");
-  if (varies("height")) add("height of P in steps of 0.2 m, up to 4 m");
-  if (varies("stagger")) add("plates facing, and half a pitch apart");
-  if (varies("alpha") && alpha_can_vary) add("alpha from 15 to 75 deg in steps of 5 deg");
+  if (options.varies("plate")) add("every template of the tool and of the survey's folder");
+  if (options.varies("height")) add("height of P in steps of 0.2 m, up to 4 m");
+  if (options.varies("stagger")) add("plates facing, and half a pitch apart");
+  if (options.varies("alpha") && alpha_can_vary) add("alpha from 15 to 75 deg in steps of 5 deg");
   text += "not varied  the first tag's chainage, tags on one wall alone, a spacing that changes\n";
   add("the rig's cameras, lenses, places and exposure");
-  if (varies("alpha") && !alpha_can_vary) add("alpha: not every camera of the rig has a side");
+  if (options.varies("alpha") && !alpha_can_vary)
+    add("alpha: not every camera of the rig has a side");
   return text +
          "One freedom after the other, twice over: the best found, which need not be the best\n"
          "there is.\n";
@@ -294,7 +289,7 @@ std::string optimisation_report(const Optimisation& optimisation, const Optimise
   std::string text = fmt::format(
       "required: plane at most {} mm at every pose{}\n"
       "          along {:.1f} % of the drive{}\n\n",
-      number(1000 * options.requirement.plane_sigma, 3),
+      format_number(1000 * options.requirement.plane_sigma, 3),
       options.requirement.tags_lost == 0
           ? ""
           : "; with any one tag lost a tag at every\n"
@@ -308,15 +303,10 @@ std::string optimisation_report(const Optimisation& optimisation, const Optimise
 
 // One JSON object (docs/formats.md).
 std::string optimisation_json(const Optimisation& optimisation) {
-  nlohmann::ordered_json json;
-  json["demanded_share"] = optimisation.demanded_share;
-  json["given"] = json_of(optimisation.given);
-  json["chosen"] = json_of(optimisation.chosen);
-  json["alternatives"] = nlohmann::ordered_json::array();
-  for (const LayoutReport& report : optimisation.alternatives) {
-    json["alternatives"].push_back(json_of(report));
-  }
-  return json_text(json);
+  return json_text({{"demanded_share", optimisation.demanded_share},
+                    {"given", json_of(optimisation.given)},
+                    {"chosen", json_of(optimisation.chosen)},
+                    {"alternatives", json_list(optimisation.alternatives, json_of)}});
 }
 
 // ---- The command.
@@ -407,8 +397,8 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
   std::vector<SheetFile> files{{folder / "plan.json", as_json(drive, subject)},
                                {folder / "plan.html", plan_page(drive)}};
   if (subject.better) {
-    for (const LayoutFile& file : subject.better->files) {
-      files.push_back({folder / file.name, file.bytes});
+    for (const SheetFile& file : subject.better->files) {
+      files.push_back({folder / file.path, file.bytes});
     }
   }
   const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan, options.paper);

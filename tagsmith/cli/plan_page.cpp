@@ -155,9 +155,7 @@ draw();
 window.addEventListener('resize', draw);
 )js";
 
-Json value(double number) {
-  return std::isfinite(number) ? Json(with_decimals(number, 6)) : Json(nullptr);
-}
+Json value(double number) { return finite_or_null(with_decimals(number, 6)); }
 
 Json point(const Eigen::Vector3d& in_world, const Survey& survey) {
   const Eigen::Vector3d in_grid = grid_from_world(survey.grid, in_world);

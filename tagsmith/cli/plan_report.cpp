@@ -250,13 +250,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has no infinity: null stands for "none".
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 // To the micrometre: profiles are long.
-Json rounded(double value) {
-  return std::isfinite(value) ? Json(with_decimals(value, 6)) : Json(nullptr);
-}
+Json rounded(double value) { return finite_or_null(with_decimals(value, 6)); }
 
 Json json_of(const WallShare& share) {
   return {{"both", share.both}, {"one", share.one}, {"none", share.none}};
@@ -378,12 +373,13 @@ std::string plan_json(const PlannedDrive& drive) {
   json["paper"] = paper(summary.paper);
   json["first_reading"] = json_of(summary.first_reading);
   json["one_tag_lost"] = one_tag_lost(drive);
-  json["travel_during_exposure"] = {{"all", number(summary.travel_all)},
-                                    {"p99", number(summary.travel_most)}};
-  json["fastest_speed"] = {{"all", number(summary.speed_all)}, {"p99", number(summary.speed_most)}};
+  json["travel_during_exposure"] = {{"all", finite_or_null(summary.travel_all)},
+                                    {"p99", finite_or_null(summary.travel_most)}};
+  json["fastest_speed"] = {{"all", finite_or_null(summary.speed_all)},
+                           {"p99", finite_or_null(summary.speed_most)}};
   json["longest_exposure"] = {
-      {"all", plan.speed > 0 ? number(summary.travel_all / plan.speed) : Json(nullptr)},
-      {"p99", plan.speed > 0 ? number(summary.travel_most / plan.speed) : Json(nullptr)}};
+      {"all", plan.speed > 0 ? finite_or_null(summary.travel_all / plan.speed) : Json(nullptr)},
+      {"p99", plan.speed > 0 ? finite_or_null(summary.travel_most / plan.speed) : Json(nullptr)}};
   json["tags"] = tags(drive);
   json["profile"] = profile_json(plan);
   return json_text(json);
