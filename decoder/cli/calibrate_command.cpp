@@ -77,7 +77,7 @@ Json sighting_json(const BoardCalibration& result, const CalibratedSighting& sig
 Json photo_json(const BoardCalibration& result, std::size_t place, const PhotoUse& use) {
   const BoardView& view = result.views[place];
   Json json{{"file", view.file},      {"width", view.width},        {"height", view.height},
-            {"tags", use.tags},       {"tags_used", use.tags_used}, {"used", use.tags_used > 0},
+            {"tags", use.tags},       {"tags_used", use.tags_used}, {"used", use.is_used()},
             {"boards", Json::array()}};
   if (!view.objection.empty()) json["objection"] = view.objection;
   for (const CalibratedSighting& sighting : result.calibration.sightings) {
@@ -166,24 +166,20 @@ Json boards_json(const BoardCalibration& result) {
   return boards;
 }
 
-Json finding_json(const BoardCalibration& result, const CalibrationFinding& finding) {
-  Json json{{"rule", to_string(finding.issue)},
-            {"severity", severity_of(finding)},
-            {"measured", measured(finding.measured)},
-            {"limit", measured(finding.limit)}};
-  if (finding.view) json["file"] = result.views[*finding.view].file;
-  if (finding.board) json["board"] = result.boards[*finding.board].name;
-  if (!finding.cells.empty()) json["cells"] = Json::array();
-  for (const std::size_t cell : finding.cells) json["cells"].push_back(cell_name(cell));
-  json["message"] = finding.message;
-  json["remedy"] = finding.remedy;
-  return json;
-}
-
-std::size_t photos_used(const std::vector<PhotoUse>& uses) {
-  std::size_t used = 0;
-  for (const PhotoUse& use : uses) used += use.tags_used > 0 ? 1 : 0;
-  return used;
+Json findings_json(const BoardCalibration& result) {
+  return json_list(result.assessment.findings, [&](const CalibrationFinding& finding) {
+    Json json{{"rule", to_string(finding.issue)},
+              {"severity", severity_of(finding)},
+              {"measured", measured(finding.measured)},
+              {"limit", measured(finding.limit)}};
+    if (finding.view) json["file"] = result.views[*finding.view].file;
+    if (finding.board) json["board"] = result.boards[*finding.board].name;
+    if (!finding.cells.empty()) json["cells"] = Json::array();
+    for (const std::size_t cell : finding.cells) json["cells"].push_back(cell_name(cell));
+    json["message"] = finding.message;
+    json["remedy"] = finding.remedy;
+    return json;
+  });
 }
 
 // A line a photo, each with its line end.
@@ -203,7 +199,7 @@ std::string calibration_summary_line(const BoardCalibration& result,
   const IntrinsicsSigma sigma = rig_sigma(calibration);
   Json json{{"verdict", to_string(result.assessment.trust)},
             {"photos", result.views.size()},
-            {"photos_used", photos_used(photo_uses(result))},
+            {"photos_used", std::ranges::count_if(photo_uses(result), &PhotoUse::is_used)},
             {"form", to_string(calibration.form)},
             {"camera", camera_json(calibration.camera)},
             {"sigma", sigma_json(calibration)},
@@ -218,17 +214,9 @@ std::string calibration_summary_line(const BoardCalibration& result,
             {"sigma_factor", measured(calibration.sigma_factor)},
             {"forms", forms_json(calibration)},
             {"boards", boards_json(result)},
-            {"findings", Json::array()},
+            {"findings", findings_json(result)},
             {"files", written}};
-  for (const CalibrationFinding& finding : result.assessment.findings) {
-    json["findings"].push_back(finding_json(result, finding));
-  }
   return json_text({{"summary", json}});
-}
-
-// The summary where the photos make no camera at all.
-std::string no_calibration_line(std::size_t photos, const std::string& reason) {
-  return json_text({{"summary", {{"verdict", "refused"}, {"photos", photos}, {"reason", reason}}}});
 }
 
 // ---- From photos of boards: a camera's intrinsics.
@@ -367,14 +355,9 @@ class Loader {
   std::set<std::pair<int, int>> sizes_;
 };
 
-// Why photos that can be read give no camera.
-struct NoCamera {
-  std::string reason;
-};
-
 struct CalibrationOutcome {
   std::optional<BoardCalibration> result;
-  NoCamera none{};  // without a result
+  std::string reason{};  // without a result: why photos that can be read give no camera
 };
 
 Result<CalibrationOutcome> calibrate(const BoardCalibrationOptions& options,
@@ -392,7 +375,7 @@ Result<CalibrationOutcome> calibrate(const BoardCalibrationOptions& options,
     return fail(fmt::format("{}", fmt::join(broken, "\n")));
   }
   if (!found && loader.has_several_sizes()) return fail(found);
-  if (!found) return CalibrationOutcome{std::nullopt, {found.error().message}};
+  if (!found) return CalibrationOutcome{std::nullopt, found.error().message};
   BoardCalibration result{camera_name(options),
                           std::move(boards),
                           std::move(found->calibration),
@@ -538,13 +521,14 @@ void print_in_words(const BoardCalibrationOptions& options, const BoardCalibrati
 }
 
 int report_no_camera(const BoardCalibrationOptions& options, std::size_t photos,
-                     const NoCamera& none) {
+                     const std::string& reason) {
   if (options.json) {
-    to_stdout("{}\n", no_calibration_line(photos, none.reason));
+    const Json summary{{"verdict", "refused"}, {"photos", photos}, {"reason", reason}};
+    to_stdout("{}\n", json_text({{"summary", summary}}));
   } else {
     to_stdout("verdict: refused\n");
   }
-  to_stderr("tagsmith calibrate: {}\n", none.reason);
+  to_stderr("tagsmith calibrate: {}\n", reason);
   return kExitFindings;
 }
 
@@ -583,7 +567,7 @@ Result<int> calibrate_by_boards(const BoardCalibrationOptions& options) {
   if (!list->skipped.empty()) {
     to_stderr("tagsmith calibrate: skipped, no pictures: {}\n", skipped_in_words(list->skipped));
   }
-  if (!outcome->result) return report_no_camera(options, list->files.size(), outcome->none);
+  if (!outcome->result) return report_no_camera(options, list->files.size(), outcome->reason);
   return report(options, *outcome->result);
 }
 

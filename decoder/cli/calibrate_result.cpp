@@ -25,14 +25,14 @@ std::vector<std::size_t> photos_where(const BoardCalibration& result,
 std::string size_words(const BoardCalibration& result) {
   const Camera& camera = result.calibration.camera;
   const std::vector<PhotoUse> uses = photo_uses(result);
-  std::size_t photos = 0, tags = 0, used = 0;
+  std::size_t tags = 0, used = 0;
   for (const PhotoUse& use : uses) {
-    photos += use.tags_used > 0 ? 1 : 0;
     tags += use.tags;
     used += use.tags_used;
   }
-  return fmt::format("{} of {} photos of {} x {} pixels used, {} of {} tags", photos, uses.size(),
-                     camera.width, camera.height, used, tags);
+  return fmt::format("{} of {} photos of {} x {} pixels used, {} of {} tags",
+                     std::ranges::count_if(uses, &PhotoUse::is_used), uses.size(), camera.width,
+                     camera.height, used, tags);
 }
 
 std::string form_words(const CameraCalibration& calibration) {
@@ -69,8 +69,7 @@ std::vector<PhotoUse> photo_uses(const BoardCalibration& result) {
 }
 
 std::vector<std::size_t> photos_left_out(const BoardCalibration& result) {
-  return photos_where(result,
-                      [](const PhotoUse& use) { return use.tags > 0 && use.tags_used == 0; });
+  return photos_where(result, [](const PhotoUse& use) { return use.tags > 0 && !use.is_used(); });
 }
 
 std::vector<std::size_t> photos_without_tags(const BoardCalibration& result) {

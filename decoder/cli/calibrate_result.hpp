@@ -25,6 +25,8 @@ struct BoardCalibration {
 struct PhotoUse {
   std::size_t tags = 0;  // of the boards, that were read
   std::size_t tags_used = 0;
+
+  bool is_used() const { return tags_used > 0; }
 };
 std::vector<PhotoUse> photo_uses(const BoardCalibration& result);
 

@@ -7,6 +7,9 @@
 #include <iterator>
 #include <optional>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "decoder/image/heif.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
@@ -22,12 +25,6 @@ constexpr std::array<std::string_view, 15> kExtensions{".pdf",  ".svg", ".jpg", 
 
 // In lower case, with its dot.
 std::string extension_of(const fs::path& path) { return lower_case(path.extension().string()); }
-
-std::string joined(std::span<const std::string_view> words) {
-  std::string text;
-  for (const std::string_view word : words) text += (text.empty() ? "" : " ") + std::string(word);
-  return text;
-}
 
 // The kind of a file that is not read; nothing for one that is read. A name without a file counts
 // as one that is read: reading reports the error.
@@ -55,8 +52,9 @@ Result<void> add_files_in(const fs::path& folder, std::span<const std::string_vi
   }
   if (error) return fail(folder.string() + ": cannot be listed: " + error.message());
   if (files.empty()) {
-    return fail(folder.string() + ": holds no file to read, expected " + joined(extensions) +
-                (skipped.empty() ? "" : "; found " + skipped_in_words(skipped)));
+    return fail(fmt::format("{}: holds no file to read, expected {}{}", folder.string(),
+                            fmt::join(extensions, " "),
+                            skipped.empty() ? "" : "; found " + skipped_in_words(skipped)));
   }
   std::ranges::sort(files);
   std::ranges::move(files, std::back_inserter(list.files));

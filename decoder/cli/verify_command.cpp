@@ -38,6 +38,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/command_help.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
@@ -61,19 +62,6 @@ std::array<std::uint8_t, 3> colour_of(const VerifiedTag& tag) {
                                                : std::array<std::uint8_t, 3>{10, 120, 50};
 }
 
-// The text in lines of about `most` characters, broken at blanks.
-std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
-  std::vector<std::string> lines(1);
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string word = text.substr(at, end - at);
-    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > most) lines.emplace_back();
-    lines.back() += (lines.back().empty() ? "" : " ") + word;
-    at = end + 1;
-  }
-  return lines;
-}
-
 std::vector<std::string> words_of(const VerifiedTag& tag) {
   constexpr std::size_t kLine = 46;
   constexpr std::size_t kMostLines = 4;
@@ -82,8 +70,7 @@ std::vector<std::string> words_of(const VerifiedTag& tag) {
   if (tag.grade) first += "  grade " + to_string(*tag.grade);
   if (!tag.finding.rule.empty()) first += "  " + tag.finding.rule;
   std::vector<std::string> lines{first};
-  if (tag.finding.message.empty()) return lines;
-  std::vector<std::string> more = wrapped(tag.finding.message, kLine);
+  std::vector<std::string> more = wrapped_lines(tag.finding.message, kLine);
   if (more.size() > kMostLines) {
     more.resize(kMostLines);
     more.back() += " ...";

@@ -10,8 +10,7 @@ std::vector<std::string> CommandOption::all_names() const { return split(names, 
 
 int report_failure(const std::string& command, const Error& error) {
   // Further lines are indented: a file's name may hold a line feed, and must not begin a line.
-  std::string message;
-  for (const char c : error.message) message += c == '\n' ? std::string("\n  ") : std::string(1, c);
+  const std::string message = fmt::format("{}", fmt::join(split(error.message, '\n'), "\n  "));
   to_stderr("tagsmith {}: {}\n", command, Lines{message});
   return kExitFailure;
 }

@@ -18,20 +18,8 @@ constexpr std::size_t kTextColumn = 28;  // where the explanation of an option b
 
 // The text in lines of at most `columns`, all but the first indented.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t columns) {
-  std::string result;
-  std::size_t column = indent;
-  for (const std::string& word : split(text, ' ')) {
-    if (word.empty()) continue;
-    const bool first = result.empty();
-    if (!first && column + 1 + word.size() > columns) {
-      result += "\n" + std::string(indent, ' ') + word;
-      column = indent + word.size();
-    } else {
-      result += (first ? "" : " ") + word;
-      column += word.size() + (first ? 0 : 1);
-    }
-  }
-  return result;
+  const std::string line_end = "\n" + std::string(indent, ' ');
+  return fmt::format("{}", fmt::join(wrapped_lines(text, columns - indent), line_end));
 }
 
 // Paragraphs are wrapped; indented and empty lines stay as they are.
@@ -148,10 +136,8 @@ std::string roff(const std::string& text) {
 
 std::string man_head(const std::string& name, const std::string& summary,
                      const std::string& version) {
-  std::string title;
-  for (const char c : name) title += static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
   return fmt::format(".TH {} 1 \"\" \"tagsmith {}\" \"tagsmith manual\"\n.SH NAME\n{} \\- {}\n",
-                     roff(title), version, roff(name), roff(summary));
+                     roff(upper_case(name)), version, roff(name), roff(summary));
 }
 
 std::string man_notes(const std::string& notes) {
@@ -171,6 +157,19 @@ std::string man_notes(const std::string& notes) {
 }
 
 }  // namespace
+
+std::vector<std::string> wrapped_lines(const std::string& text, std::size_t columns) {
+  std::vector<std::string> lines;
+  for (const std::string& word : split(text, ' ')) {
+    if (word.empty()) continue;
+    if (lines.empty() || lines.back().size() + 1 + word.size() > columns) {
+      lines.push_back(word);
+    } else {
+      lines.back() += " " + word;
+    }
+  }
+  return lines;
+}
 
 std::size_t terminal_columns() {
   winsize size{};

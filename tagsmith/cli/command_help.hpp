@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "tagsmith/cli/command.hpp"
 
@@ -13,6 +14,9 @@ namespace tagsmith::detail {
 // What the program is for, in a line.
 inline constexpr const char* kProgramSummary =
     "position tags for mine tunnels, from the survey to the vehicle's position";
+
+// The words of the text in lines of at most `columns` bytes; a longer word stays whole.
+std::vector<std::string> wrapped_lines(const std::string& text, std::size_t columns);
 
 // Columns of the terminal of standard output; otherwise the value of COLUMNS, otherwise 100.
 std::size_t terminal_columns();

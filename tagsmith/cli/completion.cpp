@@ -120,16 +120,14 @@ const CommandOption* option_named(const Command& command, const std::string& nam
   return nullptr;
 }
 
-// The positional argument that comes after `given` others; the last takes any number.
+// The positional argument that comes after `given` others.
 const CommandOption* positional(const Command& command, std::size_t given) {
-  const CommandOption* last = nullptr;
   for (const CommandOption& option : command.options) {
     if (!option.is_positional()) continue;
     if (given == 0 || option.is_repeatable()) return &option;
     --given;
-    last = nullptr;
   }
-  return last;
+  return nullptr;
 }
 
 std::vector<std::string> argument_completions(const Command& command,

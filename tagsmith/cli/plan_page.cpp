@@ -312,15 +312,11 @@ std::string key(const std::vector<std::pair<std::string, std::string>>& entries)
 
 // JSON inside a script element: no `<` may end it.
 std::string embedded(const Json& data) {
-  std::string result;
-  for (const char c : json_text(data)) {
-    if (c == '<') {
-      result += "\\u003c";
-    } else {
-      result += c;
-    }
+  std::string text = json_text(data);
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {
+    text.replace(at, 1, "\\u003c");
   }
-  return result;
+  return text;
 }
 
 }  // namespace

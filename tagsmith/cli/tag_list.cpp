@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <sqlite3.h>
 #include <utility>
@@ -108,6 +107,12 @@ class Bytes {
   std::string bytes_;
 };
 
+// Of a line all, of a point itself.
+Json points_of(const Json& geometry) {
+  const Json& coordinates = geometry["coordinates"];
+  return geometry["type"] == "Point" ? Json::array({coordinates}) : coordinates;
+}
+
 // GeoPackageBinary without an envelope, then the geometry as little-endian ISO WKB with Z.
 std::string blob_of(const Json& geometry, std::int32_t srs) {
   constexpr std::uint32_t kPointZ = 1001;
@@ -116,34 +121,22 @@ std::string blob_of(const Json& geometry, std::int32_t srs) {
   for (const char c : {'G', 'P', '\0', '\1'}) bytes.put(c);
   bytes.put(srs);
   bytes.put('\1');
-  const Json& coordinates = geometry["coordinates"];
+  const Json points = points_of(geometry);
   const bool is_point = geometry["type"] == "Point";
   bytes.put(is_point ? kPointZ : kLineStringZ);
-  if (!is_point) bytes.put(static_cast<std::uint32_t>(coordinates.size()));
-  const auto put_point = [&](const Json& point) {
+  if (!is_point) bytes.put(static_cast<std::uint32_t>(points.size()));
+  for (const Json& point : points) {
     for (const Json& coordinate : point) bytes.put(coordinate.get<double>());
-  };
-  if (is_point) put_point(coordinates);
-  for (std::size_t i = 0; i < coordinates.size() && !is_point; ++i) put_point(coordinates[i]);
+  }
   return bytes.text();
 }
 
-// x and y of a layer's features: least, then greatest.
-std::array<double, 4> extent_of(const GeoLayer& layer) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::array<double, 4> extent{kInfinity, kInfinity, -kInfinity, -kInfinity};
-  const auto extend = [&](const Json& point) {
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      extent[axis] = std::min(extent[axis], point[axis].get<double>());
-      extent[axis + 2] = std::max(extent[axis + 2], point[axis].get<double>());
-    }
-  };
+// x and y of a layer's features.
+Eigen::AlignedBox2d extent_of(const GeoLayer& layer) {
+  Eigen::AlignedBox2d extent;
   for (const Json& feature : *layer.features) {
-    const Json& coordinates = feature["geometry"]["coordinates"];
-    if (coordinates[0].is_number()) {
-      extend(coordinates);
-    } else {
-      for (const Json& point : coordinates) extend(point);
+    for (const Json& point : points_of(feature["geometry"])) {
+      extent.extend(Eigen::Vector2d(point[0].get<double>(), point[1].get<double>()));
     }
   }
   return extent;
@@ -155,14 +148,15 @@ std::string layer_sql(const GeoLayer& layer, int srs, const std::string& changed
   for (const GeoColumn& column : layer.columns) {
     columns += fmt::format(", \"{}\" {}", column.name, column.type);
   }
-  const auto [low_x, low_y, high_x, high_y] = extent_of(layer);
+  const Eigen::AlignedBox2d extent = extent_of(layer);
   return fmt::format(
       "CREATE TABLE \"{0}\" (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom {1}{2});"
       "INSERT INTO gpkg_contents VALUES ({3}, 'features', {3}, '', '{4}T00:00:00.000Z',"
       " {5}, {6}, {7}, {8}, {9});"
       "INSERT INTO gpkg_geometry_columns VALUES ({3}, 'geom', '{1}', {9}, 1, 0);",
       layer.name, layer.geometry, columns, single_quoted(layer.name),
-      changed.empty() ? "1970-01-01" : changed, low_x, low_y, high_x, high_y, srs);
+      changed.empty() ? "1970-01-01" : changed, extent.min().x(), extent.min().y(),
+      extent.max().x(), extent.max().y(), srs);
 }
 
 void put_value(sqlite3_stmt* statement, int place, const Json& value) {

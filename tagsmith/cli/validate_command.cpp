@@ -48,6 +48,10 @@ struct Findings {
   std::vector<Diagnostic> diagnostics;
   std::vector<Error> unreadable;
   std::vector<std::string> assumed;  // what surveys and rigs do not state of their uncertainty
+
+  void add(const std::vector<Diagnostic>& more) {
+    diagnostics.insert(diagnostics.end(), more.begin(), more.end());
+  }
 };
 
 // Adds the findings of a file; false when the file could not be read at all.
@@ -57,8 +61,7 @@ bool collect(const Result<Diagnosed<T>>& reading, Findings& findings) {
     findings.unreadable.push_back(reading.error());
     return false;
   }
-  findings.diagnostics.insert(findings.diagnostics.end(), reading->diagnostics.begin(),
-                              reading->diagnostics.end());
+  findings.add(reading->diagnostics);
   return true;
 }
 
@@ -133,7 +136,7 @@ void check_room(const Survey& survey, const Rig& rig, Findings& findings) {
   FindingLog log(rig.file.string());
   log.error({}, std::string(kVehicleRoomRule), fits.error().message,
             "the rig's numbers are metres; `tagsmith plan` refuses it, too");
-  std::ranges::move(log.sorted(), std::back_inserter(findings.diagnostics));
+  findings.add(log.sorted());
 }
 
 // Each survey with each rig, without the findings that comments in the survey allow.
@@ -142,9 +145,7 @@ void check_sight(const std::vector<Survey>& surveys, const std::vector<Rig>& rig
   for (const Survey& survey : surveys) {
     for (const Rig& rig : rigs) {
       check_room(survey, rig, findings);
-      const std::vector<Diagnostic> found =
-          allowed_removed(unseen_findings(survey, rig), survey.file);
-      findings.diagnostics.insert(findings.diagnostics.end(), found.begin(), found.end());
+      findings.add(allowed_removed(unseen_findings(survey, rig), survey.file));
     }
   }
 }
@@ -159,8 +160,7 @@ Findings validate(const ValidateOptions& options) {
     check_logo(reading->value->tag_template, findings);
     surveys.push_back(std::move(*reading->value));
   }
-  const std::vector<Diagnostic> together = check_together(surveys);
-  findings.diagnostics.insert(findings.diagnostics.end(), together.begin(), together.end());
+  findings.add(check_together(surveys));
   for (const std::string& path : options.rigs) {
     Result<Diagnosed<Rig>> reading = read_rig(path);
     if (collect(reading, findings) && reading->value) rigs.push_back(std::move(*reading->value));
