@@ -297,15 +297,17 @@ void add_tag(Sketch& sketch, const PlanStrip& strip, const PlacedTag& surveyed,
   add_height(sketch.layer("heights"), at, surveyed.side, tag);
 }
 
+auto count_of(const AsBuiltSurvey& found, AsBuiltStatus status) {
+  return std::ranges::count(found.tags, status, &AsBuiltTag::status);
+}
+
 DrawingView summary_view(const AsBuiltSurvey& found) {
-  const auto count = [&](AsBuiltStatus status) {
-    return std::ranges::count(found.tags, status, &AsBuiltTag::status);
-  };
   const std::vector<std::string> lines{
       fmt::format("{} tags adjusted (blue), {} control tags (green), {} contradicted (red), {} not "
                   "determined (ring)",
-                  count(AsBuiltStatus::adjusted), count(AsBuiltStatus::control),
-                  count(AsBuiltStatus::contradicted), count(AsBuiltStatus::undetermined)),
+                  count_of(found, AsBuiltStatus::adjusted), count_of(found, AsBuiltStatus::control),
+                  count_of(found, AsBuiltStatus::contradicted),
+                  count_of(found, AsBuiltStatus::undetermined)),
       fmt::format("{} pictures of tags from {} places, {} left out; residuals {:.2f} times what "
                   "was stated",
                   found.sightings, found.stations, found.left_out.size(), found.sigma_factor),
@@ -321,11 +323,10 @@ DrawingView summary_view(const AsBuiltSurvey& found) {
 // 95 % ellipse, and how far it hangs above (+) or below (-), millimetres. Control tags are green:
 // their arrows are residuals. Tags without a place have a ring. Arrows and ellipses are magnified
 // by one round factor, which the drawing says; the plan itself is to scale.
-Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurvey& found,
-                                         Paper paper = Paper::a3) {
+Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurvey& found) {
   const double factor = magnification(survey, found);
   std::vector<DrawingView> views;
-  for (const PlanStrip& strip : plan_strips(survey, paper)) {
+  for (const PlanStrip& strip : plan_strips(survey)) {
     DrawingView view = plan_view(survey, strip);
     if (factor != 1) {
       view.title += fmt::format("; arrows and 95 % ellipses magnified {:g} times", factor);
@@ -340,7 +341,8 @@ Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurv
     views.push_back(std::move(view));
   }
   views.push_back(summary_view(found));
-  return lay_out_sheets({survey.name, "as built", {}}, views, {paper, coarsest_plan_scale(survey)});
+  return lay_out_sheets({survey.name, "as built", {}}, views,
+                        {.coarsest_scale = coarsest_plan_scale(survey)});
 }
 
 // ---- The command.
@@ -381,10 +383,6 @@ Vector3d p_in_grid(const Survey& survey, const AsBuiltTag& tag) {
 Vector3d sigma_in_grid(const Survey& survey, const AsBuiltTag& tag) {
   const Matrix3d covariance = tag.covariance.topLeftCorner<3, 3>();
   return in_grid(survey.grid, covariance).diagonal().cwiseMax(0).cwiseSqrt();
-}
-
-std::size_t count_of(const AsBuiltSurvey& found, AsBuiltStatus status) {
-  return static_cast<std::size_t>(std::ranges::count(found.tags, status, &AsBuiltTag::status));
 }
 
 std::vector<std::string> not_seen(const Survey& survey, const AsBuiltSurvey& found) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -81,18 +82,13 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
   view.scale = 1;
   SketchLayer& layer = view.sketch.layer("summary");
   double y = 0;
-  struct Count {
-    const char* status;
-    std::size_t count;
-    const char* words;
-  };
-  const std::array<Count, 4> counts{{{"ok", covered.ok, "in order"},
-                                     {"poor", covered.poor, "print poorly (worst grade below 1.5)"},
-                                     {"faulty", covered.faulty, "faulty"},
-                                     {"unseen", covered.tags - covered.seen, "not seen"}}};
-  for (const Count& count : counts) {
-    add_status_mark(layer, on_paper(0.002, y + 0.0012), count.status);
-    layer.add(Words{.text = fmt::format("{} tags {}", count.count, count.words),
+  const std::map<std::string, const char*> words{{"ok", "in order"},
+                                                 {"poor", "print poorly (worst grade below 1.5)"},
+                                                 {"faulty", "faulty"},
+                                                 {"unseen", "not seen"}};
+  for (const auto& [status, count] : status_counts(covered)) {
+    add_status_mark(layer, on_paper(0.002, y + 0.0012), status);
+    layer.add(Words{.text = fmt::format("{} tags {}", count, words.at(status)),
                     .at = on_paper(0.006, y),
                     .height = 0.0025});
     y -= 0.0055;
@@ -104,9 +100,8 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     lines.push_back(fmt::format("{} files were verified against another state of the survey",
                                 merged.other_revisions));
   }
-  for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostDrawnNotes)) {
-    lines.push_back(line);
-  }
+  std::ranges::move(unchecked_and_notes_words(covered, merged, kMostDrawnNotes),
+                    std::back_inserter(lines));
   for (const std::string& line : lines) {
     y = add_lines(layer, lines_of(line, 0.17, kWordsHeight), y);
   }
@@ -132,8 +127,7 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   constexpr double kWidth = 0.085;
   constexpr double kPictureHeight = 0.05;
   DrawingView view;
-  view.title = fmt::format("{}. {}{}{}", number, fault.tag.empty() ? "" : fault.tag + ": ",
-                           fault.rule.empty() ? "fault" : fault.rule, fault.is_question ? "?" : "");
+  view.title = fmt::format("{}. {}", number, fault_heading(fault));
   view.scale = 1;
   double y = 0;
   // The card is as wide as the others, whatever its text.
@@ -147,14 +141,14 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   }
   y -= 0.0045;
   SketchLayer& layer = view.sketch.layer("faults");
-  y = add_lines(layer, lines_of(fault.file, kWidth, kWordsHeight), y, colours::kGrey);
-  if (!fault.no_picture.empty()) {
-    y = add_lines(layer, lines_of("No picture: " + fault.no_picture + ".", kWidth, kWordsHeight), y,
-                  colours::kGrey);
-  }
-  y = add_lines(layer, lines_of(fault.message, kWidth, kWordsHeight), y, colours::kRed);
+  const auto add = [&](const std::string& text, const Colour& colour) {
+    y = add_lines(layer, lines_of(text, kWidth, kWordsHeight), y, colour);
+  };
+  add(fault.file, colours::kGrey);
+  if (!fault.no_picture.empty()) add("No picture: " + fault.no_picture + ".", colours::kGrey);
+  add(fault.message, colours::kRed);
   if (const Rule* rule = find_verify_rule(fault.rule)) {
-    add_lines(layer, lines_of(std::string(rule->remedy), kWidth, kWordsHeight), y);
+    add(std::string(rule->remedy), colours::kBlack);
   }
   return view;
 }
@@ -169,21 +163,18 @@ constexpr std::array<ViewColumn, 8> kColumns{{{"tag", 0.0},
                                               {"blame", 0.087}}};
 
 std::vector<std::string> cells_of(const PlacedTag& tag, const TagRecord& record) {
-  const auto grade = [](const std::optional<double>& value) {
-    return value ? fmt::format("{:.1f}", *value) : std::string("-");
-  };
   std::vector<std::string> cells{tag.name,
                                  status_of(record),
                                  fmt::format("{:.2f}", tag.chainage),
                                  std::to_string(record.seen),
                                  std::to_string(record.faults),
-                                 grade(record.best),
-                                 grade(record.worst)};
+                                 grade_text(record.best, "-"),
+                                 grade_text(record.worst, "-")};
   if (!record.blame.empty()) cells.push_back(record.blame);
   return cells;
 }
 
-std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& merged, Paper paper) {
+std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& merged) {
   std::vector<ViewRow> rows;
   for (const PlacedTag& tag : survey.tags) {
     const TagRecord record = record_of(merged, tag.name);
@@ -191,11 +182,11 @@ std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& mer
     rows.push_back(
         {cells_of(tag, record), status == "ok" ? colours::kBlack : status_colour(status)});
   }
-  return table_views(kColumns, TextAlign::left, kWordsLine, rows, paper);
+  return table_views(kColumns, TextAlign::left, kWordsLine, rows, DrawingStyle{}.paper);
 }
 
-DrawingPart fault_part(const VerifyMerge& merged, Paper paper) {
-  DrawingPart part{{}, {.paper = paper}};
+DrawingPart fault_part(const VerifyMerge& merged) {
+  DrawingPart part;
   const std::vector<FaultRecord> faults = faults_by_plate(merged);
   for (const FaultRecord& fault : faults) {
     if (part.views.size() == kMostShownFaults) break;
@@ -215,14 +206,12 @@ DrawingPart fault_part(const VerifyMerge& merged, Paper paper) {
 }  // namespace
 
 Result<std::vector<Sheet>> draw_report(const Survey& survey, const VerifyMerge& merged) {
-  constexpr Paper kPaper = Paper::a3;
-  DrawingPart first{{summary_view(survey, merged)}, {kPaper, coarsest_plan_scale(survey)}};
+  DrawingPart first{{summary_view(survey, merged)},
+                    {.coarsest_scale = coarsest_plan_scale(survey)}};
   std::ranges::move(report_map(survey, merged), std::back_inserter(first.views));
   std::vector<DrawingPart> parts{std::move(first)};
-  if (!merged.faults.empty()) parts.push_back(fault_part(merged, kPaper));
-  if (!survey.tags.empty()) {
-    parts.push_back({tag_tables(survey, merged, kPaper), {.paper = kPaper}});
-  }
+  if (!merged.faults.empty()) parts.push_back(fault_part(merged));
+  if (!survey.tags.empty()) parts.push_back({tag_tables(survey, merged)});
   const TitleBlock block{"Verification of " + survey.name,
                          "What photos and print files say of the survey's tags",
                          {{"Survey", survey.file.filename().string()},

@@ -221,10 +221,6 @@ std::string map_of(const Survey& survey, const VerifyMerge& merged) {
   return text;
 }
 
-std::string grade_text(const std::optional<double>& grade) {
-  return grade ? fmt::format("{:.1f}", *grade) : "-";
-}
-
 std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
   std::string rows;
   for (const PlacedTag& tag : survey.tags) {
@@ -235,7 +231,7 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
         "<td class=\"more\">{2:.2f}</td><td>{3}</td><td>{4}</td><td>{5}</td><td>{6}</td>"
         "<td class=\"more\">{7}</td><td class=\"more\">{8}</td></tr>\n",
         markup_text(tag.name), status, tag.chainage, record.seen, record.faults,
-        grade_text(record.best), grade_text(record.worst), markup_text(record.blame),
+        grade_text(record.best, "-"), grade_text(record.worst, "-"), markup_text(record.blame),
         upright_of(record));
   }
   return rows;
@@ -279,9 +275,7 @@ std::string hanging_table(const VerifyMerge& merged) {
 
 std::string fault_card(const FaultRecord& fault) {
   const Rule* rule = find_verify_rule(fault.rule);
-  const std::string heading = markup_text((fault.tag.empty() ? "" : fault.tag + ": ") +
-                                          (fault.rule.empty() ? std::string("fault") : fault.rule) +
-                                          (fault.is_question ? "?" : ""));
+  const std::string heading = markup_text(fault_heading(fault));
   std::string card =
       "<article class=\"card\" data-row=\"fault\" data-of=\"faulty\"><h3>" + heading + "</h3>";
   if (!fault.picture.jpeg.empty()) {
@@ -310,19 +304,11 @@ std::string fault_cards(const VerifyMerge& merged) {
 }
 
 std::string count_buttons(const Completeness& covered) {
-  struct Count {
-    const char* status;
-    std::size_t count;
-  };
-  const std::array<Count, 4> counts{{{"ok", covered.ok},
-                                     {"poor", covered.poor},
-                                     {"faulty", covered.faulty},
-                                     {"unseen", covered.tags - covered.seen}}};
   std::string text = "<div class=\"counts\" role=\"group\" aria-label=\"Tags by status\">\n";
-  for (const Count& count : counts) {
+  for (const auto& [status, count] : status_counts(covered)) {
     text += fmt::format(
         "<button class=\"{0}\" data-status=\"{0}\" aria-pressed=\"false\"><b>{1}</b>{0}</button>\n",
-        count.status, count.count);
+        status, count);
   }
   return text + "</div>\n";
 }
@@ -393,10 +379,6 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
 
 namespace fs = std::filesystem;
 
-std::string number(const std::optional<double>& value) {
-  return value ? fmt::format("{:.1f}", *value) : std::string();
-}
-
 // What is wrong with each tag, each fault once.
 std::map<std::string, std::string> findings_by_tag(const VerifyMerge& merged) {
   std::map<std::string, std::string> findings;
@@ -419,11 +401,11 @@ std::string report_csv(const Survey& survey, const VerifyMerge& merged) {
   for (const PlacedTag& tag : survey.tags) {
     const TagRecord record = record_of(merged, tag.name);
     const auto finding = findings.find(tag.name);
-    csv +=
-        csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3), status_of(record),
-                 std::to_string(record.seen), std::to_string(record.faults), number(record.best),
-                 number(record.worst), record.blame, to_string(tag.side), upright_of(record),
-                 finding == findings.end() ? "" : finding->second, placement_of(record)});
+    csv += csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3),
+                    status_of(record), std::to_string(record.seen), std::to_string(record.faults),
+                    grade_text(record.best, ""), grade_text(record.worst, ""), record.blame,
+                    to_string(tag.side), upright_of(record),
+                    finding == findings.end() ? "" : finding->second, placement_of(record)});
   }
   return csv;
 }
@@ -570,6 +552,29 @@ void report_broken_lines(const std::string& file, const VerifyLineCounts& counts
   if (counts.broken == 0) return;
   to_stderr("{}: {} not of `verify --json` and left out\n", file,
             counts.broken == 1 ? "1 line is" : fmt::format("{} lines are", counts.broken));
+}
+
+Result<VerifyLineCounts> read_own_lines(const std::string& file,
+                                        const std::function<void(VerifiedFile)>& take) {
+  const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
+  if (!counts || counts->files > 0 || counts->broken <= 1) return counts;
+  return fail(fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
+}
+
+std::array<StatusCount, 4> status_counts(const Completeness& covered) {
+  return {{{"ok", covered.ok},
+           {"poor", covered.poor},
+           {"faulty", covered.faulty},
+           {"unseen", covered.tags - covered.seen}}};
+}
+
+std::string grade_text(const std::optional<double>& grade, const char* without) {
+  return grade ? fmt::format("{:.1f}", *grade) : without;
+}
+
+std::string fault_heading(const FaultRecord& fault) {
+  return fmt::format("{}{}{}", fault.tag.empty() ? "" : fault.tag + ": ",
+                     fault.rule.empty() ? "fault" : fault.rule, fault.is_question ? "?" : "");
 }
 
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,

@@ -2,6 +2,9 @@
 // A report of verified files, for people: table, web page, document.
 #pragma once
 
+#include <array>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +58,24 @@ std::vector<std::string> completeness_words(const Completeness& covered, std::si
 
 // Reports on standard error how many lines of `file` were left out, when there are any.
 void report_broken_lines(const std::string& file, const VerifyLineCounts& counts);
+
+// read_verify_lines of a file that may be another program's: fails where no line is of `verify
+// --json` and more than the one that a killed job leaves are broken.
+Result<VerifyLineCounts> read_own_lines(const std::string& file,
+                                        const std::function<void(VerifiedFile)>& take);
+
+// The survey's tags by status, as status_of names it.
+struct StatusCount {
+  const char* status;
+  std::size_t count;
+};
+std::array<StatusCount, 4> status_counts(const Completeness& covered);
+
+// "3.4", or the other words where there is no grade.
+std::string grade_text(const std::optional<double>& grade, const char* without);
+
+// "000L: glare?"
+std::string fault_heading(const FaultRecord& fault);
 
 // What was not checked, and notes on files, at most `most` of these.
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,

@@ -109,6 +109,10 @@ code { background: var(--card); border: 1px solid var(--line); border-radius: 6p
 .spark circle { fill: currentColor; }
 )css";
 
+// What must be done now.
+constexpr std::array kNow{PlateAction::reprint, PlateAction::clean, PlateAction::rehang,
+                          PlateAction::look};
+
 // What the word means for the person who does it.
 const char* heading_of(PlateAction action) {
   constexpr std::array kHeadings{"Print anew and replace",
@@ -134,10 +138,7 @@ std::string action_rows(const LedgerReport& report, PlateAction action) {
 
 std::string now_text(const Survey& survey, const LedgerReport& report) {
   std::string rows;
-  for (const PlateAction action :
-       {PlateAction::reprint, PlateAction::clean, PlateAction::rehang, PlateAction::look}) {
-    rows += action_rows(report, action);
-  }
+  for (const PlateAction action : kNow) rows += action_rows(report, action);
   if (rows.empty()) return "<p class=\"none\">Nothing.</p>\n";
   std::string text =
       "<div class=\"scroll\"><table class=\"do\"><tbody>\n" + rows + "</tbody></table></div>\n";
@@ -280,10 +281,6 @@ std::string ledger_page(const Survey& survey, const LedgerReport& report) {
 
 using Json = nlohmann::ordered_json;
 
-// What must be done now.
-constexpr std::array kNow{PlateAction::reprint, PlateAction::clean, PlateAction::rehang,
-                          PlateAction::look};
-
 double rounded(double value) { return with_decimals(value, 4); }
 
 Json to_json(const std::optional<Day>& day) { return day ? Json(to_text(*day)) : Json(); }
@@ -406,15 +403,11 @@ Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
   if (!ledger) return fail(ledger);
   for (const std::string& lines : options.lines) {
     Result<void> entered;
-    const auto counts = read_verify_lines(lines, [&](const VerifiedFile& file) {
+    const auto counts = read_own_lines(lines, [&](const VerifiedFile& file) {
       if (entered) entered = ledger->add(file);
     });
     if (!counts) return fail(counts);
     if (!entered) return entered;
-    if (counts->files == 0 && counts->broken > 1) {
-      return fail(
-          fmt::format("{}: none of its {} lines is of `verify --json`", lines, counts->broken));
-    }
     report_broken_lines(lines, *counts);
   }
   if (auto written = ledger->flush(); !written) return written;

@@ -111,8 +111,8 @@ void add_track(Sketch& sketch, const PlanStrip& strip, const std::vector<const M
 }
 
 std::vector<DrawingView> plan_views(const Survey& survey, const std::vector<Mark>& marks,
-                                    double factor, Paper paper) {
-  const std::vector<PlanStrip> strips = plan_strips(survey, paper);
+                                    double factor) {
+  const std::vector<PlanStrip> strips = plan_strips(survey);
   std::vector<DrawingView> views;
   for (const PlanStrip& strip : strips) {
     const bool is_first = &strip == &strips.front();
@@ -249,16 +249,16 @@ std::string methods_of(const std::vector<Fix>& fixes) {
 }  // namespace
 
 Result<std::vector<Sheet>> draw_run(const Survey& survey, const Rig& rig, const Run& run,
-                                    const std::vector<Fix>& fixes, Paper paper) {
+                                    const std::vector<Fix>& fixes) {
   const std::vector<Mark> marks = marks_of(survey, run, fixes);
-  std::vector<DrawingView> views = plan_views(survey, marks, magnification(survey, marks), paper);
+  std::vector<DrawingView> views = plan_views(survey, marks, magnification(survey, marks));
   if (auto chart = error_chart(marks)) views.push_back(std::move(*chart));
   views.push_back(summary_view(survey, run, fixes));
   const TitleBlock block{
       survey.name,
       "located run",
       {{"run", run.file.filename().string()}, {"rig", rig.name}, {"method", methods_of(fixes)}}};
-  return lay_out_sheets(block, views, {paper, coarsest_plan_scale(survey)});
+  return lay_out_sheets(block, views, {.coarsest_scale = coarsest_plan_scale(survey)});
 }
 
 }  // namespace tagsmith::detail

@@ -6,7 +6,6 @@
 
 #include "decoder/localize/fix.hpp"
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -20,6 +19,6 @@ namespace tagsmith::detail {
 // metres, are drawn magnified by one round factor, which the drawing states; the plan itself is to
 // scale. `fixes[i]` belongs to `run.measurements[i]`. Fixes of other surveys are left out.
 Result<std::vector<Sheet>> draw_run(const Survey& survey, const Rig& rig, const Run& run,
-                                    const std::vector<Fix>& fixes, Paper paper = Paper::a3);
+                                    const std::vector<Fix>& fixes);
 
 }  // namespace tagsmith::detail
