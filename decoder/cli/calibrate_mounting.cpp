@@ -38,7 +38,7 @@ Result<void> check_files(const CalibrateMountingOptions& options, const Surveyed
   files.reads(input.run);
   // The rig's own file may be updated in place.
   for (const RigCamera& camera : input.rig.cameras) {
-    if (!camera.calibration.empty()) files.reads(camera.calibration, "a calibration");
+    files.reads(camera.calibration, "a calibration");
   }
   files.writes(options.output, "--output");
   return files.check();

@@ -384,53 +384,39 @@ void print_doubts(const RunFindings& findings, const Rig& rig) {
 
 // What can be known to be wrong before the work.
 Result<void> check_options(const LocalizeOptions& options) {
-  if (options.surveys.empty() == options.own_template.empty()) {
-    return fail(options.surveys.empty()
-                    ? "expected SURVEY; or, to take tags by what their digits say, --template NAME "
-                      "with --width M"
-                    : "--template is for tags of which there is no survey: leave one of them out");
-  }
-  if (options.own_template.empty() != !options.width) {
-    return fail("--template and --width go together: the plates' template, the tunnel's width");
-  }
-  if (options.follow == !options.run.empty()) {
-    return fail(options.follow
-                    ? "--follow reads measurements from standard input, expected no --run"
-                    : "expected --run RUN.csv, or --follow");
-  }
   const bool files = !options.csv.empty() || !options.tum.empty() || !options.drawing.empty() ||
                      !options.pictures.empty();
-  if (options.follow && (files || options.method == "both")) {
-    return fail("--follow answers on standard output alone, with one method");
-  }
-  if (options.smooth && (options.follow || options.method == "paper")) {
-    return fail("--smooth needs a whole run (--run) and the headings of --method joint");
-  }
-  if (options.smooth && options.explain) {
-    return fail(
+  const bool draws = !options.drawing.empty();
+  return none_of(
+      {{options.surveys.empty() && options.own_template.empty(),
+        "expected SURVEY; or, to take tags by what their digits say, --template NAME with --width "
+        "M"},
+       {!options.surveys.empty() && !options.own_template.empty(),
+        "--template is for tags of which there is no survey: leave one of them out"},
+       {options.own_template.empty() != !options.width,
+        "--template and --width go together: the plates' template, the tunnel's width"},
+       {options.follow && !options.run.empty(),
+        "--follow reads measurements from standard input, expected no --run"},
+       {!options.follow && options.run.empty(), "expected --run RUN.csv, or --follow"},
+       {options.follow && (files || options.method == "both"),
+        "--follow answers on standard output alone, with one method"},
+       {options.smooth && (options.follow || options.method == "paper"),
+        "--smooth needs a whole run (--run) and the headings of --method joint"},
+       {options.smooth && options.explain,
         "--explain tells what makes a single position uncertain, and --smooth joins all of a run: "
-        "leave one of them out");
-  }
-  if (options.confirmed && options.method != "joint") {
-    return fail("--confirmed needs --method joint: the paper's closed form has nothing to spare");
-  }
-  if (options.unsurveyed && options.method == "paper") {
-    return fail("tags that no survey has need --method joint");
-  }
-  if (options.unsurveyed && options.surveys.size() > 1) {
-    return fail("--unsurveyed: expected one survey, whose code and tunnel hold for all tags");
-  }
-  if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
-    return fail("--drawing " + options.drawing.string() +
-                ": expected a name that ends in .pdf, .svg or .png");
-  }
-  if (!options.drawing.empty() && options.surveys.size() > 1) {
-    return fail("--drawing shows one tunnel, expected one survey");
-  }
-  if (!options.drawing.empty() && !has_glyphs("0")) {
-    return fail("--drawing: no font on this machine: install fonts-dejavu-core");
-  }
-  return {};
+        "leave one of them out"},
+       {options.confirmed && options.method != "joint",
+        "--confirmed needs --method joint: the paper's closed form has nothing to spare"},
+       {options.unsurveyed && options.method == "paper",
+        "tags that no survey has need --method joint"},
+       {options.unsurveyed && options.surveys.size() > 1,
+        "--unsurveyed: expected one survey, whose code and tunnel hold for all tags"},
+       {draws && !sheet_format_of(options.drawing),
+        "--drawing " + options.drawing.string() +
+            ": expected a name that ends in .pdf, .svg or .png"},
+       {draws && options.surveys.size() > 1, "--drawing shows one tunnel, expected one survey"},
+       {draws && !has_glyphs("0"),
+        "--drawing: no font on this machine: install fonts-dejavu-core"}});
 }
 
 Result<int> run_localize(LocalizeOptions options) {

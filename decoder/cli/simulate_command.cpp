@@ -384,18 +384,17 @@ Result<void> check_files(const SimulateOptions& options, const SurveyedRun& inpu
 }
 
 Result<void> check_chain(const SimulateOptions& options) {
-  if (options.chain != "none" && options.linear) {
-    return fail("--linear and --camera-chain exclude each other: a chain bends its own tone curve");
-  }
-  if (options.chain == "none" && options.rolling_px != 0) {
-    return fail("--rolling-shutter needs --camera-chain mild, strong or night");
-  }
-  if (options.quality == 0) return {};
-  if (options.chain != "none") {
-    return fail("--quality and --camera-chain exclude each other: a chain has its own compression");
-  }
-  if (options.format != "jpg") return fail("--quality is for JPEG files: give --format jpg, too");
-  return {};
+  const bool chain = options.chain != "none";
+  const bool quality = options.quality != 0;
+  return none_of(
+      {{chain && options.linear,
+        "--linear and --camera-chain exclude each other: a chain bends its own tone curve"},
+       {!chain && options.rolling_px != 0,
+        "--rolling-shutter needs --camera-chain mild, strong or night"},
+       {chain && quality,
+        "--quality and --camera-chain exclude each other: a chain has its own compression"},
+       {quality && options.format != "jpg",
+        "--quality is for JPEG files: give --format jpg, too"}});
 }
 
 Result<Json> simulate(const SimulateOptions& options, const SurveyedRun& input) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/common_options.hpp"
 
+#include <algorithm>
+
 namespace tagsmith::detail {
 
 CommandOption flag(const std::string& names, const ValueTarget& target, const std::string& help) {
@@ -93,6 +95,11 @@ CommandOption drawing_paper_option(const std::string& names, Paper& paper,
     paper = name == "a3" ? Paper::a3 : name == "a4" ? Paper::a4 : Paper::letter;
   };
   return choice_option(names, choose, {"a3", "a4", "letter"}, help);
+}
+
+Result<void> none_of(const std::vector<WrongUse>& uses) {
+  const auto wrong = std::ranges::find(uses, true, &WrongUse::is_so);
+  return wrong == uses.end() ? Result<void>{} : fail(wrong->message);
 }
 
 std::vector<CommandOption> joined(std::initializer_list<std::vector<CommandOption>> groups) {

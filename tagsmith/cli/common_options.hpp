@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/render/drawing_title.hpp"
 
@@ -58,6 +59,14 @@ CommandOption file_option(const std::string& names, const ValueTarget& target,
 
 // An option whose value is the paper of a drawing.
 CommandOption drawing_paper_option(const std::string& names, Paper& paper, const std::string& help);
+
+// Uses of options that exclude each other, or lack one: fails with the message of the first that is
+// so.
+struct WrongUse {
+  bool is_so;
+  std::string message;
+};
+Result<void> none_of(const std::vector<WrongUse>& uses);
 
 // The options of all groups, one group after the other.
 std::vector<CommandOption> joined(std::initializer_list<std::vector<CommandOption>> groups);

@@ -214,26 +214,19 @@ Json chart_json(const DrivePlan& plan) {
 }
 
 Json coverage(const Survey& survey, const DrivePlan& plan) {
-  Json runs = Json::array();
-  for (const auto& [first, last, service] : service_runs(plan)) {
-    const double from = plan.columns[first].chainage;
-    const double to = plan.columns[last].chainage;
-    runs.push_back(
-        {{"service", style_of(service).key}, {"line", line_beside(survey, 0, from, to)}});
-  }
-  return runs;
+  return json_list(service_runs(plan), [&](const ServiceRun& run) -> Json {
+    const double from = plan.columns[run.first].chainage;
+    const double to = plan.columns[run.last].chainage;
+    return {{"service", style_of(run.service).key}, {"line", line_beside(survey, 0, from, to)}};
+  });
 }
 
 Json fields(const PlannedDrive& drive) {
-  Json all = Json::array();
   const double from = drive.plan.columns.front().chainage;
   const double to = drive.plan.columns.back().chainage;
-  for (const auto& outline : fields_of_view(drive.survey, drive.rig, drive.plan, from, to)) {
-    Json line = Json::array();
-    for (const Eigen::Vector3d& corner : outline) line.push_back(point(corner, drive.survey));
-    all.push_back(line);
-  }
-  return all;
+  const auto on_page = [&](const Eigen::Vector3d& corner) { return point(corner, drive.survey); };
+  return json_list(fields_of_view(drive.survey, drive.rig, drive.plan, from, to),
+                   [&](const auto& outline) { return json_list(outline, on_page); });
 }
 
 Json page_data(const PlannedDrive& drive) {

@@ -101,20 +101,15 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   style.setting_out = !options.no_setting_out;
   if (options.proof) style.prove = prove;
   style.order = style.order || !style.zip.empty();
-  if (!style.zip.empty() && style.zip.extension() != ".zip") {
-    return fail("--zip " + style.zip.string() + ": expected a name that ends in .zip");
-  }
   const bool has_pdf = std::ranges::count(style.formats, SheetFormat::pdf) > 0;
-  if (!has_pdf && (!options.press.empty() || style.outline_text)) {
-    return fail(std::string(style.outline_text ? "--outline-text" : "--pdf-x") +
-                " is for PDF files, but --format has no pdf");
-  }
-  if (style.single && style.formats.front() != SheetFormat::pdf) {
-    return fail("--single makes one PDF, but --format has no pdf");
-  }
-  if (style.tiled && options.paper.empty()) {
-    return fail("--tile needs the paper of the tiles: --paper A4");
-  }
+  const auto right = none_of(
+      {{!style.zip.empty() && style.zip.extension() != ".zip",
+        "--zip " + style.zip.string() + ": expected a name that ends in .zip"},
+       {style.outline_text && !has_pdf, "--outline-text is for PDF files, but --format has no pdf"},
+       {!options.press.empty() && !has_pdf, "--pdf-x is for PDF files, but --format has no pdf"},
+       {style.single && !has_pdf, "--single makes one PDF, but --format has no pdf"},
+       {style.tiled && options.paper.empty(), "--tile needs the paper of the tiles: --paper A4"}});
+  if (!right) return fail(right);
   if (!options.profile.empty()) {
     Result<PrinterProfile> profile = read_printer_profile(options.profile);
     if (!profile) return fail(profile);
@@ -299,8 +294,8 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   CommandFiles files;
   files.reads(*survey);
   files.reads(options.only == "-" ? "/dev/stdin" : options.only, "the list --only");
-  if (!options.profile.empty()) files.reads(options.profile, "--profile");
-  if (!options.press.empty()) files.reads(options.press, "--pdf-x");
+  files.reads(options.profile, "--profile");
+  files.reads(options.press, "--pdf-x");
   const Result<PrintRecord> record = run_print(*job, options.folder, std::move(files));
   if (!record) return fail(record);
   warn(*job);

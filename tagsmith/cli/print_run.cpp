@@ -636,7 +636,7 @@ Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& 
   PrintRecord record = planned_record(job);
   for (const auto& [name, hash] : record.sha256) files.writes(folder / name, "--output");
   for (const char* name : {kManifestJson, kManifestCsv}) files.writes(folder / name, "--output");
-  if (!job.style.zip.empty()) files.writes(job.style.zip, "--zip");
+  files.writes(job.style.zip, "--zip");
   if (auto usable = files.check(); !usable) return fail(usable);
   Result<StagedFiles> staged = StagedFiles::begin(folder);
   if (!staged) return fail(staged);
