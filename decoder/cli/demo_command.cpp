@@ -178,17 +178,20 @@ LocatedPoints localize(const Demo& demo) {
   const std::vector<Measurement>& measurements = demo.run.measurements;
   const std::vector<Survey> surveys{demo.survey};
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
-  const std::vector<Fix> none(measurements.size());
-  LocatedPoints located{none, none, none};
-  ProgressBar bar("points", measurements.size());
-  run_in_order(measurements.size(), demo.jobs, [&](std::size_t i) -> Delivery {
+  LocatedPoints located;
+  const auto locate = [&](std::size_t i) {
     const Observation seen = observe(measurements[i], surveys, demo.rig, reader);
-    located.jointly[i] = localize_jointly(seen, surveys, demo.rig);
-    located.by_paper[i] = localize_by_paper(seen, surveys, demo.rig);
-    located.by_paper_with_true_range[i] =
-        localize_by_paper(with_true_ranges(seen, measurements[i], demo), surveys, demo.rig);
-    return [&bar] { bar.advance([] {}); };
-  });
+    const Observation with_true = with_true_ranges(seen, measurements[i], demo);
+    return std::array{localize_jointly(seen, surveys, demo.rig),
+                      localize_by_paper(seen, surveys, demo.rig),
+                      localize_by_paper(with_true, surveys, demo.rig)};
+  };
+  const auto take = [&](std::size_t, const std::array<Fix, 3>& fixes) {
+    located.jointly.push_back(fixes[0]);
+    located.by_paper.push_back(fixes[1]);
+    located.by_paper_with_true_range.push_back(fixes[2]);
+  };
+  run_below_bar("points", measurements.size(), demo.jobs, locate, take);
   return located;
 }
 

@@ -121,11 +121,10 @@ using Located = std::vector<std::vector<Fix>>;
 
 std::vector<Fix> localize_rows(const std::vector<Observation>& rows, LocalizationMethod method,
                                const LocalizeInput& input, int jobs) {
-  std::vector<Fix> fixes(rows.size());
-  run_in_order(rows.size(), jobs, [&](std::size_t i) -> Delivery {
-    fixes[i] = method(rows[i], input.surveys, input.rig);
-    return [] {};
-  });
+  std::vector<Fix> fixes;
+  run_in_order(
+      rows.size(), jobs, [&](std::size_t i) { return method(rows[i], input.surveys, input.rig); },
+      [&](std::size_t, Fix& fix) { fixes.push_back(std::move(fix)); });
   return fixes;
 }
 

@@ -35,38 +35,26 @@ std::string days_in_words(const LedgerReport& report) {
 
 // A sentence for each kind of photos that say less than others, without its full stop.
 std::vector<std::string> doubts_in_words(const LedgerReport& report) {
+  const auto& photos = report.photos;
+  const std::vector<std::pair<std::size_t, std::string>> doubts{
+      {photos.undated, "of them without a date, and in no trend"},
+      {photos.future,
+       "of them dated in the future, and counted as undated: set the camera's clock"},
+      {photos.clock_reset,
+       fmt::format("of them dated before {}, and counted as undated: set the camera's clock",
+                   kFirstPhotos.substr(0, 4))},
+      {photos.other_revisions,
+       "of them verified against another state of the survey: where plates hang was judged by "
+       "that; verify them again"},
+      {photos.mixed_revisions,
+       "of these taken after photos of the present state: is there another survey of this name? "
+       "Plates are confused unless each survey has its own name, or its own ledger"},
+      {report.nameless,
+       std::string(report.nameless == 1 ? "fault" : "faults") +
+           " of plates that were not read when plates had other names: verify these photos again"}};
   std::vector<std::string> sentences;
-  if (report.photos.undated > 0) {
-    sentences.push_back(
-        fmt::format("{} of them without a date, and in no trend", report.photos.undated));
-  }
-  if (report.photos.future > 0) {
-    sentences.push_back(fmt::format(
-        "{} of them dated in the future, and counted as undated: set the camera's clock",
-        report.photos.future));
-  }
-  if (report.photos.clock_reset > 0) {
-    sentences.push_back(
-        fmt::format("{} of them dated before {}, and counted as undated: set the camera's clock",
-                    report.photos.clock_reset, kFirstPhotos.substr(0, 4)));
-  }
-  if (report.photos.other_revisions > 0) {
-    sentences.push_back(fmt::format(
-        "{} of them verified against another state of the survey: where plates hang was "
-        "judged by that; verify them again",
-        report.photos.other_revisions));
-  }
-  if (report.photos.mixed_revisions > 0) {
-    sentences.push_back(
-        fmt::format("{} of these taken after photos of the present state: is there another survey "
-                    "of this name? "
-                    "Plates are confused unless each survey has its own name, or its own ledger",
-                    report.photos.mixed_revisions));
-  }
-  if (report.nameless > 0) {
-    sentences.push_back(fmt::format(
-        "{} of plates that were not read when plates had other names: verify these photos again",
-        counted(report.nameless, "fault")));
+  for (const auto& [count, words] : doubts) {
+    if (count > 0) sentences.push_back(fmt::format("{} {}", count, words));
   }
   return sentences;
 }

@@ -354,20 +354,21 @@ Result<Json> render_shots(const SimulateOptions& options, const SurveyedRun& inp
                           const std::vector<Shot>& shots, const StagedFiles& files) {
   Json truths = Json::array();
   std::optional<Error> failure;
-  ProgressBar progress("images", shots.size());
-  run_in_order(shots.size(), options.jobs, [&](std::size_t i) -> Delivery {
+  const auto render = [&](std::size_t i) -> Result<Json> {
     const Shot& shot = shots[i];
     const SurveyView seen =
         render_survey_view(input.survey, *shot.camera, shot.station->world_from_vehicle,
                            view_options(options, i), options.seed);
-    auto bytes = encoded(options, shot.file, seen.view.image);
-    const Result<void> written = bytes ? files.add(shot.file, *bytes) : Result<void>(fail(bytes));
-    return [&, written, truth = shot_json(input.survey, shot, seen)] {
-      if (!written && !failure) failure = written.error();
-      truths.push_back(truth);
-      progress.advance([] {});
-    };
-  });
+    const auto bytes = encoded(options, shot.file, seen.view.image);
+    if (!bytes) return fail(bytes);
+    if (auto added = files.add(shot.file, *bytes); !added) return fail(added);
+    return shot_json(input.survey, shot, seen);
+  };
+  const auto take = [&](std::size_t, Result<Json>& truth) {
+    if (truth) truths.push_back(std::move(*truth));
+    if (!truth && !failure) failure = truth.error();
+  };
+  run_below_bar("images", shots.size(), options.jobs, render, take);
   if (failure) return tl::unexpected(*failure);
   return truths;
 }

@@ -229,15 +229,14 @@ Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>
 // As the option states, else as all digits of the list have it.
 CheckDigit check_digit_of(const NewOptions& options, const std::vector<SurveyedPoint>& points) {
   if (const auto asked = parse_check_digit(options.check_digit)) return *asked;
-  const bool is_sum10 = std::ranges::all_of(points, [](const SurveyedPoint& point) {
-    const auto digits = parse_digits(point.digits);
-    return !digits || has_check_digit(CheckDigit::sum10, *digits);
-  });
-  const bool has_gs1 = std::ranges::all_of(points, [](const SurveyedPoint& point) {
-    const auto digits = parse_digits(point.digits);
-    return !digits || has_check_digit(CheckDigit::gs1, *digits);
-  });
-  return is_sum10 && !has_gs1 ? CheckDigit::sum10 : CheckDigit::gs1;
+  const auto all_have = [&](CheckDigit check) {
+    return std::ranges::all_of(points, [&](const SurveyedPoint& point) {
+      const auto digits = parse_digits(point.digits);
+      return !digits || has_check_digit(check, *digits);
+    });
+  };
+  return all_have(CheckDigit::sum10) && !all_have(CheckDigit::gs1) ? CheckDigit::sum10
+                                                                   : CheckDigit::gs1;
 }
 
 // Tags get names, or are proposed, and a code.

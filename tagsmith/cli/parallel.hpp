@@ -18,6 +18,15 @@ using Delivery = std::function<void()>;
 // comes. Only a few results wait at any time.
 void run_in_order(std::size_t count, int jobs, const std::function<Delivery(std::size_t)>& work);
 
+// The same, where deliver(i, result) receives what work(i) returned.
+template <class Work, class Deliver>
+void run_in_order(std::size_t count, int jobs, const Work& work, const Deliver& deliver) {
+  run_in_order(count, jobs, [&](std::size_t i) -> Delivery {
+    const auto result = std::make_shared<decltype(work(i))>(work(i));
+    return [&deliver, i, result] { deliver(i, *result); };
+  });
+}
+
 // A bar on standard error for work that has taken longer than a second; nothing when standard error
 // is no terminal. The bar is wiped at the end of its scope.
 class ProgressBar {
@@ -43,16 +52,13 @@ class ProgressBar {
   bool drawn_ = false;
 };
 
-// Works as run_in_order does below a bar that counts `what`: deliver(i, result) receives what
-// work(i) returned, while the bar is hidden.
+// Works as run_in_order does below a bar that counts `what`, and is hidden during a delivery.
 template <class Work, class Deliver>
 void run_below_bar(std::string what, std::size_t count, int jobs, const Work& work,
                    const Deliver& deliver) {
   ProgressBar bar(std::move(what), count);
-  run_in_order(count, jobs, [&](std::size_t i) -> Delivery {
-    const auto result = std::make_shared<decltype(work(i))>(work(i));
-    return [&bar, &deliver, i, result] { bar.advance([&] { deliver(i, *result); }); };
-  });
+  run_in_order(count, jobs, work,
+               [&](std::size_t i, auto& result) { bar.advance([&] { deliver(i, result); }); });
 }
 
 }  // namespace tagsmith::detail

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -305,14 +304,14 @@ Result<void> write_print(const PrintJob& job, const StagedFiles& files,
   Result<void> all;
   if (!std::ranges::all_of(job.style.formats, one_pdf)) {
     std::atomic<bool> failed = false;
-    run_in_order(job.units.size(), job.style.jobs, [&](std::size_t i) -> Delivery {
-      auto written =
-          std::make_shared<Result<void>>(failed ? Result<void>{} : write_unit(job, i, files));
-      if (!*written) failed = true;
-      return [&, written] {
-        if (all && !*written) all = *written;
-        if (!single) done();
-      };
+    const auto write = [&](std::size_t i) {
+      Result<void> written = failed ? Result<void>{} : write_unit(job, i, files);
+      if (!written) failed = true;
+      return written;
+    };
+    run_in_order(job.units.size(), job.style.jobs, write, [&](std::size_t, Result<void>& written) {
+      if (all && !written) all = written;
+      if (!single) done();
     });
   }
   return all && single ? write_single(job, files, done) : all;
