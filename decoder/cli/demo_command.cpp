@@ -152,12 +152,9 @@ Result<void> save_lines(const fs::path& file, const Demo& demo, const Verified& 
   return write_file(file, lines);
 }
 
-// The ten points, each located three times from one reading of its photos.
-struct LocatedPoints {
-  std::vector<Fix> jointly;
-  std::vector<Fix> by_paper;
-  std::vector<Fix> by_paper_with_true_range;  // the measured d replaced by the true one
-};
+// The ten points, each located three times from one reading of its photos: jointly, by the paper's
+// method, and by that with the measured d replaced by the true one.
+using LocatedPoints = std::array<std::vector<Fix>, 3>;
 
 // The observation with every range to the left wall replaced by the true one. The plates' surface
 // is W_T/2 left of the center line.
@@ -187,9 +184,7 @@ LocatedPoints localize(const Demo& demo) {
                       localize_by_paper(with_true, surveys, demo.rig)};
   };
   const auto take = [&](std::size_t, const std::array<Fix, 3>& fixes) {
-    located.jointly.push_back(fixes[0]);
-    located.by_paper.push_back(fixes[1]);
-    located.by_paper_with_true_range.push_back(fixes[2]);
+    for (std::size_t method = 0; method < 3; ++method) located[method].push_back(fixes[method]);
   };
   run_below_bar("points", measurements.size(), demo.jobs, locate, take);
   return located;
@@ -217,22 +212,19 @@ std::string table_of(const Demo& demo, const LocatedPoints& located) {
       fmt::format(kRow, "", "", "errors in metres", "joint", "paper", "with true d", "published");
   text += fmt::format(kRow, "point", "tags", "      x       y       z", plane_z, plane_z, plane_z,
                       plane_z);
-  const auto error_at = [&](const std::vector<Fix>& fixes, std::size_t i) {
-    return errors_in_words(error_of(fixes[i], measurements[i]));
-  };
   for (std::size_t i = 0; i < measurements.size(); ++i) {
-    const Fix& fix = located.jointly[i];
-    text +=
-        fmt::format(kRow, fix.id, fmt::format("{}", fmt::join(fix.tags, " ")),
-                    position_in_words(fix), error_at(located.jointly, i),
-                    error_at(located.by_paper, i), error_at(located.by_paper_with_true_range, i),
-                    i < kPaperErrors.size() ? errors_in_words(kPaperErrors[i], 3) : "");
+    const auto error_by = [&](std::size_t method) {
+      return errors_in_words(error_of(located[method][i], measurements[i]));
+    };
+    const Fix& fix = located[0][i];
+    text += fmt::format(kRow, fix.id, fmt::format("{}", fmt::join(fix.tags, " ")),
+                        position_in_words(fix), error_by(0), error_by(1), error_by(2),
+                        i < kPaperErrors.size() ? errors_in_words(kPaperErrors[i], 3) : "");
   }
   std::vector<std::string> means;
   std::vector<std::string> counts;
-  for (const auto* fixes :
-       {&located.jointly, &located.by_paper, &located.by_paper_with_true_range}) {
-    const FixSummary summary = summarize(*fixes, measurements);
+  for (const std::vector<Fix>& fixes : located) {
+    const FixSummary summary = summarize(fixes, measurements);
     means.push_back(errors_in_words(summary.mean_error));
     counts.push_back(fmt::format("{} of {}", summary.located, summary.count));
   }
@@ -303,7 +295,7 @@ Result<bool> run_steps(const Demo& demo) {
        {save_lines(demo.folder / kPrintLines, demo, prints),
         save_lines(demo.folder / kPhotoLines, demo, photos),
         write_file(demo.folder / kPositions,
-                   table + reasons_of(located.jointly) + reasons_of(located.by_paper))}) {
+                   table + reasons_of(located[0]) + reasons_of(located[1]))}) {
     if (!saved) return fail(saved);
   }
   show_files(demo);

@@ -303,8 +303,10 @@ Json line_feature(const Survey& survey) {
                        {"length", micrometre(survey.tunnel.centerline.length())}});
 }
 
+std::string x_axis(const Survey& survey) { return survey.grid.x_axis_left ? "left" : "right"; }
+
 Json grid_json(const Survey& survey) {
-  Json grid{{"x_axis", survey.grid.x_axis_left ? "left" : "right"}};
+  Json grid{{"x_axis", x_axis(survey)}};
   if (survey.grid.epsg != 0) grid["crs"] = "EPSG:" + std::to_string(survey.grid.epsg);
   return grid;
 }
@@ -337,12 +339,6 @@ Json assumed_json(const Survey& survey) {
 
 std::string dump(const Json& json) { return json_text(json, 2) + "\n"; }
 
-std::string x_axis(const Survey& survey) { return survey.grid.x_axis_left ? "left" : "right"; }
-
-void append(std::vector<std::string>& fields, const Eigen::Vector3d& point) {
-  for (const double coordinate : point) fields.push_back(format_number(coordinate));
-}
-
 }  // namespace
 
 std::string tags_csv(const Survey& survey) {
@@ -350,30 +346,27 @@ std::string tags_csv(const Survey& survey) {
   std::string csv = csv_row(own_columns());
   for (const PlacedTag& tag : survey.tags) {
     std::vector<std::string> row{tag.name, to_string(tag.side), to_string(tag.digits)};
-    append(row, tag.p_in_grid);
-    for (const double length : {tag.chainage, offset_of_p(survey, tag), height_of_p(survey, tag)}) {
-      row.push_back(format_number(length));
-    }
+    const auto add = [&row](const auto& numbers) {
+      for (const double number : numbers) row.push_back(format_number(number));
+    };
+    add(tag.p_in_grid);
+    add(std::array{tag.chainage, offset_of_p(survey, tag), height_of_p(survey, tag)});
     row.push_back(states_sigma_of(survey, tag) ? format_number(tag.sigma) : "");
     row.push_back(tag.date);
     if (tag.design_in_grid) {
-      append(row, *tag.design_in_grid);
+      add(*tag.design_in_grid);
     } else {
       row.insert(row.end(), 3, "");
     }
     row.insert(row.end(), {survey.tag_template.name, to_string(code.check)});
-    for (const int count : code.digit_counts) row.push_back(std::to_string(count));
-    for (const double resolution : code.resolution) row.push_back(format_number(resolution));
-    for (const double origin : code.origin) row.push_back(format_number(origin));
-    row.insert(row.end(), {x_axis(survey), format_number(survey.tunnel.height.at(tag.chainage)),
-                           format_number(facing_heading(survey, tag))});
-    for (const double angle :
-         {tag.attitude ? tag.attitude->tilt : 0, tag.attitude ? tag.attitude->roll : 0}) {
-      row.push_back(format_number(degrees(angle)));
-    }
-    for (const double length : listed_plate(survey.tag_template)) {
-      row.push_back(format_number(length));
-    }
+    add(code.digit_counts);
+    add(code.resolution);
+    add(code.origin);
+    row.push_back(x_axis(survey));
+    add(std::array{survey.tunnel.height.at(tag.chainage), facing_heading(survey, tag),
+                   degrees(tag.attitude ? tag.attitude->tilt : 0),
+                   degrees(tag.attitude ? tag.attitude->roll : 0)});
+    add(listed_plate(survey.tag_template));
     csv += csv_row(row);
   }
   return csv;
