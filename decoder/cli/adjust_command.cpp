@@ -3,14 +3,9 @@
 #include <cmath>
 #include <cstddef>
 #include <ctime>
-#include <filesystem>
-#include <functional>
 #include <iostream>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -28,7 +23,6 @@
 #include "decoder/verify/verify_json.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/result.hpp"
 #include "tagsmith/base/unified_diff.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"

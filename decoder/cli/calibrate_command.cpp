@@ -3,17 +3,13 @@
 #include <cctype>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 #include <iostream>
 #include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,7 +23,6 @@
 #include "decoder/cli/file_list.hpp"
 #include "decoder/image/load.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"

@@ -21,7 +21,6 @@
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/edit_rig.hpp"
-#include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 

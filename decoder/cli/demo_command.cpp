@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
-#include <filesystem>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -26,7 +23,6 @@
 #include "tagsmith/cli/print_job.hpp"
 #include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
-#include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/revision.hpp"
 #include "tagsmith/survey/run.hpp"

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/follow.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,7 +13,6 @@
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/plates/live_drive.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <map>
 #include <memory>
-#include <optional>
 
 #include <fmt/core.h>
 

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <functional>
 #include <memory>
-#include <optional>
-#include <string>
 #include <unordered_set>
-#include <vector>
 
 #include <fmt/core.h>
 

@@ -2,10 +2,8 @@
 #include "decoder/cli/report_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>

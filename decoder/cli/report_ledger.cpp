@@ -10,7 +10,6 @@
 
 #include "decoder/cli/report_files.hpp"
 #include "decoder/ledger/plate_history.hpp"
-#include "decoder/verify/verify_json.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command.hpp"

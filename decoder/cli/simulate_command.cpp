@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 #include <set>
 #include <span>
-#include <string>
 #include <system_error>
-#include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -29,7 +24,6 @@
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <cstdio>
 #include <fcntl.h>
-#include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <set>
-#include <string>
 #include <unistd.h>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -36,7 +30,6 @@
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/command_help.hpp"
 #include "tagsmith/cli/common_options.hpp"

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
 #include <memory>
-#include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <memory>
 #include <span>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -2,16 +2,12 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/survey_drawing.hpp"
 #include "tagsmith/render/text.hpp"

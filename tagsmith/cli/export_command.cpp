@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"

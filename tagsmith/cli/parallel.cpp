@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdio>
 #include <unistd.h>
-#include <utility>
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>

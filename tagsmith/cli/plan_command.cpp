@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/result.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"

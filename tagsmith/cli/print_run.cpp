@@ -16,7 +16,6 @@
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/result.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/parallel.hpp"
