@@ -16,7 +16,6 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/calibrate/ray_sigma.hpp"
-#include "decoder/cli/calibrate_drawing.hpp"
 #include "decoder/cli/calibrate_mounting.hpp"
 #include "decoder/cli/calibrate_result.hpp"
 #include "decoder/cli/commands.hpp"

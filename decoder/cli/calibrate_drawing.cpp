@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/calibrate_drawing.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +9,7 @@
 
 #include "decoder/calibrate/distortion_curve.hpp"
 #include "decoder/calibrate/ray_sigma.hpp"
+#include "decoder/cli/calibrate_result.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/web_page.hpp"

@@ -9,6 +9,8 @@
 
 #include "decoder/calibrate/assess.hpp"
 #include "decoder/calibrate/calibrate_camera.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/render/sheet.hpp"
 #include "tagsmith/tag/board.hpp"
 
 namespace tagsmith::detail {
@@ -60,6 +62,13 @@ std::string_view severity_of(const CalibrationFinding& finding);
 
 // Sentences about the whole result, for the text, the page and the drawing alike.
 std::vector<std::string> calibration_facts(const BoardCalibration& result);
+
+// Coverage, residuals and distortion as pictures, and the results in words, on one sheet. Fails as
+// lay_out_sheets does.
+Result<std::vector<Sheet>> draw_calibration(const BoardCalibration& result);
+
+// The same as one web page without further files.
+std::string calibration_page(const BoardCalibration& result);
 
 // "weak: of use within the sigmas stated ...".
 std::string verdict_words(CalibrationTrust trust);

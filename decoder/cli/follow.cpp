@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "decoder/cli/fix_json.hpp"
+#include "decoder/cli/fix_files.hpp"
 #include "decoder/plates/live_drive.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command.hpp"

@@ -10,7 +10,6 @@
 
 #include "decoder/cli/commands.hpp"
 #include "decoder/cli/fix_files.hpp"
-#include "decoder/cli/fix_json.hpp"
 #include "decoder/cli/follow.hpp"
 #include "decoder/cli/observe_run.hpp"
 #include "decoder/cli/run_drawing.hpp"

@@ -17,7 +17,6 @@
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/parallel.hpp"
-#include "tagsmith/cli/plan_page.hpp"
 #include "tagsmith/cli/plan_report.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/paper_plan/expected_by_paper.hpp"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/plan_page.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +7,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/cli/plan_report.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/plan_drawing.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan in words and as JSON.
+// A plan in words, as JSON, and as a web page.
 #pragma once
 
 #include <string>
@@ -40,5 +40,9 @@ std::string plan_report(const PlannedDrive& drive);
 
 // One JSON object on one line (docs/formats.md).
 std::string plan_json(const PlannedDrive& drive);
+
+// Answers, map and profile as one page: HTML with its styles, data and script inside; opens without
+// a network, on a phone as well.
+std::string plan_page(const PlannedDrive& drive);
 
 }  // namespace tagsmith::detail
