@@ -6,21 +6,9 @@
 #include <cstddef>
 
 #include "tagsmith/geometry/covariance.hpp"
+#include "tagsmith/render/drawing_title.hpp"
 
 namespace tagsmith::detail {
-namespace {
-
-// 1, 2 or 5 times a power of ten, the largest not above `value`; at least 1.
-double round_factor(double value) {
-  if (!(value > 1)) return 1;
-  const double power = std::pow(10, std::floor(std::log10(value)));
-  for (const double step : {5.0, 2.0}) {
-    if (step * power <= value) return step * power;
-  }
-  return power;
-}
-
-}  // namespace
 
 const double kEllipse95 = std::sqrt(-2 * std::log(0.05));
 
@@ -28,8 +16,10 @@ double magnification_for(const Tunnel& tunnel, std::vector<double> sizes) {
   if (sizes.empty()) return 1;
   const auto ninth = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 9 / 10);
   std::ranges::nth_element(sizes, ninth);
-  constexpr double kMost = 1000;
-  return *ninth > 0 ? std::min(kMost, round_factor(least_width(tunnel) / 5 / *ninth)) : 1;
+  if (!(*ninth > 0)) return 1;
+  // What divides the size into a fifth of the tunnel is rounded up, so that the factor, which is as
+  // round, is rounded down.
+  return std::clamp(1 / round_step(*ninth / (least_width(tunnel) / 5)), 1.0, 1000.0);
 }
 
 Ellipse ellipse95(const Eigen::Vector2d& centre, const Eigen::Matrix2d& covariance, double factor) {

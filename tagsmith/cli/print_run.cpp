@@ -159,8 +159,8 @@ struct EarlierTags {
   std::vector<std::string> changed;    // files of those that differ in the survey now
   std::vector<std::string> again;      // files of those that this print has, too
   std::vector<std::string> left_over;  // files that no manifest lists any longer
-  Json
-      common;  // what the kept ones share, where nothing else is printed; null = the present values
+  // What the kept ones share, where nothing else is printed; null = the present values.
+  Json common;
 };
 
 void take_earlier(Json tag, const Json& earlier, const std::filesystem::path& folder,
