@@ -160,8 +160,7 @@ std::string man_notes(const std::string& notes) {
 
 std::vector<std::string> wrapped_lines(const std::string& text, std::size_t columns) {
   std::vector<std::string> lines;
-  for (const std::string& word : split(text, ' ')) {
-    if (word.empty()) continue;
+  for (const std::string& word : split_words(text)) {
     if (lines.empty() || lines.back().size() + 1 + word.size() > columns) {
       lines.push_back(word);
     } else {

@@ -3,7 +3,6 @@
 
 #include <istream>
 #include <iterator>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -49,13 +48,10 @@ Wanted from_comment(const std::string& line) {
 }
 
 Wanted from_words(const std::string& line) {
-  std::istringstream words(line);
-  std::string first;
-  std::string second;
-  words >> first >> second;
-  if (second.empty()) return {first};
-  const Wanted wanted = changed(second, first);
-  return wanted.print || wanted.move || first == "remove" ? wanted : Wanted{};
+  const std::vector<std::string> words = split_words(line);
+  if (words.size() == 1) return {words[0]};
+  const Wanted wanted = changed(words[1], words[0]);
+  return wanted.print || wanted.move || words[0] == "remove" ? wanted : Wanted{};
 }
 
 }  // namespace
