@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 #include <set>
+#include <span>
 #include <unistd.h>
 #include <utility>
 
@@ -36,7 +37,6 @@
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/render/sheet_files.hpp"
-#include "tagsmith/survey/check_together.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
@@ -497,7 +497,7 @@ void print_summary(const VerifyCommandOptions& options, const Survey& survey,
 
 // Names what else is read and written; `listed` are the files to verify.
 void add_files(const VerifyCommandOptions& options, const Survey& survey,
-               const std::vector<Survey>& also, const std::vector<fs::path>& listed,
+               std::span<const Survey> also, const std::vector<fs::path>& listed,
                CommandFiles& files) {
   files.reads(survey);
   for (const Survey& other : also) files.reads(other);
@@ -520,8 +520,12 @@ Result<int> run(VerifyCommandOptions options) {
   if (options.files.empty() && options.hanging.run.empty()) {
     return fail("FILE is required: photos, print files, folders of them");
   }
-  const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey);
+  std::vector<fs::path> paths{options.survey};
+  paths.insert(paths.end(), options.also.begin(), options.also.end());
+  const Result<std::vector<Survey>> surveys = load_surveys(paths);
+  if (!surveys) return fail(surveys);
+  const Survey& survey = surveys->front();
+  const std::span also = std::span(*surveys).subspan(1);
   CommandFiles files;
   Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
   if (!hanging) return fail(hanging);
@@ -529,26 +533,19 @@ Result<int> run(VerifyCommandOptions options) {
   const Result<FileList> list =
       list_files(of_run ? (*hanging)->photos : options.files, image_and_pdf_extensions(), std::cin);
   if (!list) return fail(list);
-  const Result<std::vector<Survey>> also = load_surveys({options.also.begin(), options.also.end()});
-  if (!also) return fail(also);
-  std::vector<Survey> together{*survey};
-  together.insert(together.end(), also->begin(), also->end());
-  if (const auto diagnostics = check_together(together); has_errors(diagnostics)) {
-    return fail(to_string(diagnostics, true));
-  }
-  add_files(options, *survey, *also, list->files, files);
+  add_files(options, survey, also, list->files, files);
   if (const auto usable = files.check(); !usable) return fail(usable);
   options.named = &files;
   if (const auto ready = prepare_to_append(options.resume); !ready) {
     return fail(ready);
   }
-  Result<LedgerWriter> ledger = LedgerWriter::open(options.ledger, survey->name);
+  Result<LedgerWriter> ledger = LedgerWriter::open(options.ledger, survey.name);
   if (!ledger) return fail(ledger);
   ManifestCache manifests;
-  VerifyRequest request{*survey, *also, options.wants_crops()};
+  VerifyRequest request{survey, also, options.wants_crops()};
   request.manifests = &manifests;
   request.scan_dpi = options.scan_dpi;
-  for (const Survey& other : *also) {
+  for (const Survey& other : also) {
     request.also_revisions += fmt::format("{} {};", other.name, survey_revision(other));
   }
   if (*hanging) {
@@ -559,18 +556,18 @@ Result<int> run(VerifyCommandOptions options) {
   }
   options.hangs_late = hanging->has_value();
   const Result<VerifyOutcome> outcome =
-      verify_all({options, request, *hanging, *ledger, survey_revision(*survey)}, list->files);
+      verify_all({options, request, *hanging, *ledger, survey_revision(survey)}, list->files);
   if (!outcome) return fail(outcome);
   const VerifyMerge& merged = outcome->merged;
-  print_summary(options, *survey, *outcome, list->skipped);
-  if (const auto written = write_report(options.report, *survey, merged, files); !written) {
+  print_summary(options, survey, *outcome, list->skipped);
+  if (const auto written = write_report(options.report, survey, merged, files); !written) {
     return fail(written);
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     return fail("standard output cannot be written, is the disk full?");
   }
   if (outcome->failed) return kExitFailure;
-  const bool incomplete = options.complete && !missing_tags(*survey, merged).empty();
+  const bool incomplete = options.complete && !missing_tags(survey, merged).empty();
   const bool contradicts = outcome->hung && outcome->hung->nothing_fits;
   return merged.files_with_findings > 0 || incomplete || contradicts ? kExitFindings : kExitOk;
 }
