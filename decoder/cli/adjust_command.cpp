@@ -326,11 +326,9 @@ Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurv
       view.title += fmt::format("; arrows and 95 % ellipses magnified {:g} times", factor);
     }
     for (const AsBuiltTag& tag : found.tags) {
-      const PlacedTag* surveyed = find_tag(survey, tag.tag);
-      if (surveyed == nullptr || surveyed->chainage < strip.from || surveyed->chainage > strip.to) {
-        continue;
-      }
-      add_tag(view.sketch, strip, *surveyed, tag, factor);
+      const PlacedTag& surveyed = *find_tag(survey, tag.tag);
+      if (surveyed.chainage < strip.from || surveyed.chainage > strip.to) continue;
+      add_tag(view.sketch, strip, surveyed, tag, factor);
     }
     views.push_back(std::move(view));
   }

@@ -131,7 +131,7 @@ Result<void> check_layout(const NewOptions& options, const PointList& list) {
     return fail(options.points +
                 ": the list has tags that hang: leave --height, --spacing, --first and --to out");
   }
-  if (has_tags || (options.height && options.spacing)) return {};
+  if (has_tags || wished) return {};
   return fail(options.points +
               ": the list has no tags (TL, TR or names as 000L): for a layout that is to hang, "
               "give --height M of P above the floor and the gap --spacing M, and if you like "

@@ -204,18 +204,16 @@ std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive) {
        fmt::format("a position along {} of the drive, tags on both walls along {}",
                    percent(summary.covered_share), percent(summary.wall_pair_share))});
   answers.push_back({"gaps", gaps_text(drive)});
-  if (drive.plan.options.accuracy) {
-    answers.push_back({"position, plane", sigma_text(summary.nominal_plane)});
-    if (summary.nominal_height) {
-      answers.push_back({"position, height", sigma_text(summary.nominal_height)});
-      answers.push_back({"heading", angle_text(*summary.nominal_heading)});
-      answers.push_back({"plane, any pose", sigma_text(summary.worst_plane)});
-    }
-    if (summary.worst_stretch) {
-      answers.push_back({"worst stretch", fmt::format("{}: plane {} at the worst pose",
-                                                      stretch(*summary.worst_stretch),
-                                                      short_length(summary.worst_stretch_sigma))});
-    }
+  answers.push_back({"position, plane", sigma_text(summary.nominal_plane)});
+  if (summary.nominal_height) {
+    answers.push_back({"position, height", sigma_text(summary.nominal_height)});
+    answers.push_back({"heading", angle_text(*summary.nominal_heading)});
+    answers.push_back({"plane, any pose", sigma_text(summary.worst_plane)});
+  }
+  if (summary.worst_stretch) {
+    answers.push_back({"worst stretch", fmt::format("{}: plane {} at the worst pose",
+                                                    stretch(*summary.worst_stretch),
+                                                    short_length(summary.worst_stretch_sigma))});
   }
   answers.push_back({"a tag is first read", first_reading_text(drive)});
   answers.push_back({"confirmed", confirmed_text(summary)});
@@ -369,7 +367,7 @@ std::string plan_json(const PlannedDrive& drive) {
   json["confirmed_share"] = summary.confirmed_share;
   json["gaps"] = json_list(summary.gaps, [](const Stretch& gap) { return json_of(gap); });
   json["longest_gap"] = json_of(summary.longest_gap);
-  json["accuracy"] = plan.options.accuracy ? accuracy(summary) : Json(nullptr);
+  json["accuracy"] = accuracy(summary);
   json["paper"] = paper(summary.paper);
   json["first_reading"] = json_of(summary.first_reading);
   json["one_tag_lost"] = one_tag_lost(drive);

@@ -21,17 +21,6 @@
 namespace tagsmith::detail {
 namespace {
 
-// Tag names become file names.
-Result<void> check_file_names(const std::vector<const PlacedTag*>& tags) {
-  for (const PlacedTag* tag : tags) {
-    const bool usable = !tag->name.empty() && tag->name.front() != '.' &&
-                        tag->name.find('/') == std::string::npos && tag->name.size() < 200 &&
-                        printable_text(tag->name) == tag->name;
-    if (!usable) return fail("tag \"" + tag->name + "\": its name cannot be a file's name");
-  }
-  return {};
-}
-
 Error paper_too_small(const TagTemplate& tag, const Rectangle& plate, const PrintStyle& style) {
   std::string text =
       fmt::format("--paper {} cannot carry a plate of {} x {} mm ({}) in one piece; ",
@@ -224,7 +213,6 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   if (tags.empty() && style.moved.empty()) {
     return fail(survey.file.string() + ": has no tags to print");
   }
-  if (auto usable = check_file_names(tags); !usable) return fail(usable);
   PrintJob job;
   job.survey = &survey;
   job.style = style;

@@ -87,9 +87,8 @@ struct PrintJob {
   }
 };
 
-// Fails without tags, to print or to move, on names that cannot be files' names, and on a paper
-// that cannot hold a plate; the message then names papers that can. The job keeps pointers into the
-// survey.
+// Fails without tags, to print or to move, and on a paper that cannot hold a plate; the message
+// then names papers that can. The job keeps pointers into the survey.
 Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
                             const PrintStyle& style);
 
