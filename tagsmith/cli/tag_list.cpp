@@ -131,15 +131,17 @@ std::string blob_of(const Json& geometry, std::int32_t srs) {
   return bytes.text();
 }
 
-// x and y of a layer's features.
-Eigen::AlignedBox2d extent_of(const GeoLayer& layer) {
+// Least x and y of a layer's features, then the greatest; of a layer without features unknown.
+std::string extent_sql(const GeoLayer& layer) {
   Eigen::AlignedBox2d extent;
   for (const Json& feature : *layer.features) {
     for (const Json& point : points_of(feature["geometry"])) {
       extent.extend(Eigen::Vector2d(point[0].get<double>(), point[1].get<double>()));
     }
   }
-  return extent;
+  if (extent.isEmpty()) return "NULL, NULL, NULL, NULL";
+  return fmt::format("{}, {}, {}, {}", extent.min().x(), extent.min().y(), extent.max().x(),
+                     extent.max().y());
 }
 
 // The layer's table, and its entries in the standard's tables.
@@ -148,15 +150,13 @@ std::string layer_sql(const GeoLayer& layer, int srs, const std::string& changed
   for (const GeoColumn& column : layer.columns) {
     columns += fmt::format(", \"{}\" {}", column.name, column.type);
   }
-  const Eigen::AlignedBox2d extent = extent_of(layer);
   return fmt::format(
       "CREATE TABLE \"{0}\" (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom {1}{2});"
       "INSERT INTO gpkg_contents VALUES ({3}, 'features', {3}, '', '{4}T00:00:00.000Z',"
-      " {5}, {6}, {7}, {8}, {9});"
-      "INSERT INTO gpkg_geometry_columns VALUES ({3}, 'geom', '{1}', {9}, 1, 0);",
+      " {5}, {6});"
+      "INSERT INTO gpkg_geometry_columns VALUES ({3}, 'geom', '{1}', {6}, 1, 0);",
       layer.name, layer.geometry, columns, single_quoted(layer.name),
-      changed.empty() ? "1970-01-01" : changed, extent.min().x(), extent.min().y(),
-      extent.max().x(), extent.max().y(), srs);
+      changed.empty() ? "1970-01-01" : changed, extent_sql(layer), srs);
 }
 
 void put_value(sqlite3_stmt* statement, int place, const Json& value) {

@@ -204,6 +204,19 @@ TEST_CASE("a GeoPackage has what the standard requires, with points in space") {
         read_file(exported(kMapped, "b.gpkg")->file).value());
 }
 
+TEST_CASE("a survey that has no tags yet makes a GeoPackage, too") {
+  const std::string series = ", height: 1.5, spacing: 9.2, first: 5, to: 60";
+  std::string text = kMapped;
+  text.erase(text.find(series), series.size());
+  text.erase(text.find("  - { tag:"));
+  text.insert(text.size() - 1, " []");
+  const auto made = exported(text, "tags.gpkg");
+  CHECK(made->survey.tags.empty());
+  CHECK(rows_of(made->file, "SELECT fid FROM tags").empty());
+  CHECK(rows_of(made->file, "SELECT min_x IS NULL FROM gpkg_contents ORDER BY table_name") ==
+        std::vector<Row>{{"0"}, {"1"}});
+}
+
 TEST_CASE("LandXML has the center line's elements end to end, its heights, and north before east") {
   const auto made = exported(kMapped, "tags.landxml");
   pugi::xml_document document;
