@@ -7,7 +7,6 @@
 // operations, and AVX2 adds no fused ones. Clang 16 does not include the templates that such a
 // function calls. It must not throw, so it allocates no memory: gcc assumes that the choice between
 // the versions never throws, and an exception that passes it ends the program.
-// that never throws, and an exception that passes it ends the program.
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__AVX2__) && !defined(__clang__)
 #define TAGSMITH_WIDE __attribute__((target_clones("avx2", "default")))
 #else

@@ -57,7 +57,7 @@ TAGSMITH_EXPORT std::vector<FileFinding> validate(const std::filesystem::path& p
 enum class TagStatus {
   ok,
   unknown,     // a good reading of a code that the survey does not have
-  misprinted,  // wrong check digit, size or content
+  misprinted,  // it reads, and print or plate is wrong: check digit, size, content, bent, turned
   unreadable,  // found and refused
   duplicate,   // a second time in the same picture or print file
   cut_off,     // at the picture's edge; no fault of the tag
