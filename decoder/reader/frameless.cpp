@@ -312,8 +312,13 @@ bool stands_in(const FramelessReading& symbol, const Framed& framed) {
   return contains(framed.corners, centre_of_bars(symbol));
 }
 
-bool stands_in_any(const FramelessReading& symbol, const std::vector<Reading>& tags) {
-  return std::ranges::any_of(tags, [&](const Reading& tag) { return stands_in(symbol, tag); });
+// Whether a symbol is that of a tag whose code is read with more of it.
+bool is_read(const FramelessReading& symbol, const ReadResult& result) {
+  const auto holds = [&](const auto& framed) { return stands_in(symbol, framed); };
+  return std::ranges::any_of(result.tags, holds) ||
+         std::ranges::any_of(result.parts, [&](const PartReading& part) {
+           return part.shows_all_bars && holds(part);
+         });
 }
 
 // Whether a framed symbol was refused for a reason that makes a reading by the bars alone a guess
@@ -333,9 +338,9 @@ ReadResult with_frameless(SearchedImage& picture, const ReadOptions& options, Re
   FramelessResult& frameless = result.frameless;
   frameless = read_frameless(picture, named);
   std::erase_if(frameless.read,
-                [&](const FramelessReading& symbol) { return stands_in_any(symbol, result.tags); });
+                [&](const FramelessReading& symbol) { return is_read(symbol, result); });
   std::erase_if(frameless.rejected, [&](const FramelessRejection& rejection) {
-    return stands_in_any(rejection.symbol, result.tags);
+    return is_read(rejection.symbol, result);
   });
   std::erase_if(frameless.read, [&](const FramelessReading& symbol) {
     const auto doubted = std::ranges::find_if(result.rejected, [&](const Rejection& framed) {

@@ -57,22 +57,6 @@ std::optional<RefinedFrame> fit_cut_height(const CutView& view, const Quad& roug
   return frame;
 }
 
-std::size_t side_in_sight(const SymbolHypothesis& symbol) { return symbol.frame.shown[0] ? 0 : 2; }
-
-// The symbol in such a frame, if it is believed and its bars end where they should beside the side
-// in sight. Where they do not quite, that side may be the edge of something along it, and is as
-// unsure.
-std::optional<SymbolHypothesis> believed_in(const CutView& view, const RefinedFrame& frame) {
-  auto symbol = believed_hypothesis(view.image, frame, view.options, true);
-  if (!symbol || !symbol->frame.shown[1] || !symbol->frame.shown[3]) return std::nullopt;
-  const std::size_t side = side_in_sight(*symbol);
-  const Quad corners = corners_of(*symbol);
-  const auto off = off_bar_ends(bar_ends_of(view.image, *symbol), side, corners, symbol->layout);
-  if (!off || *off > ends_tolerance_px(corners)) return std::nullopt;
-  symbol->frame.sides[side].covariance += Eigen::Matrix2d::Constant(*off * *off);
-  return symbol;
-}
-
 // The heights between which the picture shows all of a frame, as shares of its height.
 HeightShare shown_heights(const GrayView& image, const RefinedFrame& frame) {
   const FrameHomography map(frame.corners, frame.lens);
@@ -139,6 +123,40 @@ std::optional<double> doubt_of_unseen(const Quad& whole, const CornerCovariance&
   return std::hypot(std::sqrt(by_sides), by_proportions);
 }
 
+// A believed symbol, and how far the side out of sight may be from where it is assumed.
+struct SymbolInPart {
+  SymbolHypothesis symbol;
+  double doubt_px = 0;
+
+  std::size_t side_in_sight() const { return symbol.frame.shown[0] ? 0 : 2; }
+
+  // From the side in sight to the bars' ends, which are as far off as this is of the height.
+  double margin_px_in_doubt() const {
+    const SymbolLayout& layout = symbol.layout;
+    return doubt_px * (side_in_sight() == 0 ? layout.bars_top : 1 - layout.bars_bottom);
+  }
+};
+
+// The symbol in such a frame, if it is believed and its bars end where they should beside the side
+// in sight. Where they do not quite, that side may be the edge of something along it, and is as
+// unsure.
+std::optional<SymbolInPart> believed_in(const CutView& view, const RefinedFrame& frame) {
+  auto symbol = believed_hypothesis(view.image, frame, view.options, true);
+  if (!symbol || !symbol->frame.shown[1] || !symbol->frame.shown[3]) return std::nullopt;
+  SymbolInPart part{*std::move(symbol)};
+  RefinedFrame& seen = part.symbol.frame;
+  const Quad corners = corners_of(part.symbol);
+  const auto off = off_bar_ends(bar_ends_of(view.image, part.symbol), part.side_in_sight(), corners,
+                                part.symbol.layout);
+  if (!off || *off > ends_tolerance_px(corners)) return std::nullopt;
+  seen.sides[part.side_in_sight()].covariance += Eigen::Matrix2d::Constant(*off * *off);
+  const auto doubt = doubt_of_unseen(seen.corners, corner_covariance(seen, 0, 0), seen.shown[0],
+                                     part.symbol.layout.frame, view);
+  if (!doubt) return std::nullopt;
+  part.doubt_px = *doubt;
+  return part;
+}
+
 // The corners of the whole frame by those of its part in sight. Those out of sight lie on the lines
 // of the sides, and are as unsure along them as `doubt` says.
 PlacedCorners whole_corners(const PlacedCorners& part, const Quad& whole, bool is_upper_shown,
@@ -160,27 +178,25 @@ PlacedCorners whole_corners(const PlacedCorners& part, const Quad& whole, bool i
 
 // The corners of the whole frame by sides and bars in sight. How far the bars end from the side in
 // sight is a share of a height that is as unsure as the side out of sight.
-std::optional<PlacedCorners> placed_by_part(const CutView& view, const SymbolHypothesis& symbol,
+std::optional<PlacedCorners> placed_by_part(const CutView& view, const SymbolInPart& seen,
                                             const HeightShare& heights) {
-  const bool is_upper_shown = side_in_sight(symbol) == 0;
-  const SymbolHypothesis part = in_part(symbol, heights);
-  const auto doubt = doubt_of_unseen(symbol.frame.corners, corner_covariance(symbol.frame, 0, 0),
-                                     is_upper_shown, symbol.layout.frame, view);
-  if (!doubt) return std::nullopt;
-  const double margin = is_upper_shown ? symbol.layout.bars_top : 1 - symbol.layout.bars_bottom;
+  const bool is_upper_shown = seen.side_in_sight() == 0;
+  const SymbolHypothesis part = in_part(seen.symbol, heights);
   BothEnds ends = bar_ends_of(view.image, part);
   (is_upper_shown ? ends.lower : ends.upper).reset();  // the bars run on there
   auto& shown = is_upper_shown ? ends.upper : ends.lower;
-  if (shown) shown->sigma_px = std::hypot(shown->sigma_px, margin * *doubt);
+  if (shown) shown->sigma_px = std::hypot(shown->sigma_px, seen.margin_px_in_doubt());
   const PlacedCorners placed = placed_by_frame_and_bars(view.image, part, ends);
-  const auto whole = whole_frame(placed.corners, is_upper_shown, symbol.layout.frame, view.camera);
-  return whole ? std::optional(whole_corners(placed, *whole, is_upper_shown, *doubt))
+  const auto whole =
+      whole_frame(placed.corners, is_upper_shown, seen.symbol.layout.frame, view.camera);
+  return whole ? std::optional(whole_corners(placed, *whole, is_upper_shown, seen.doubt_px))
                : std::nullopt;
 }
 
-std::optional<PartReading> reading_of_height(const CutView& view, const SymbolHypothesis& symbol) {
+std::optional<PartReading> reading_of_height(const CutView& view, const SymbolInPart& part) {
+  const SymbolHypothesis& symbol = part.symbol;
   const HeightShare heights = shown_heights(view.image, symbol.frame);
-  const auto placed = placed_by_part(view, symbol, heights);
+  const auto placed = placed_by_part(view, part, heights);
   if (!placed) return std::nullopt;
   PartReading reading;
   reading.candidates = {{symbol.decoding.digits}};
@@ -206,8 +222,8 @@ std::optional<PartReading> read_without_halos(const CutView& view, const Refined
   auto fitted = fit_cut_height(without, frame.corners, layout.frame, true);
   if (!fitted) return std::nullopt;
   add_halo_doubt(frame.corners, *fitted);
-  const auto symbol = believed_in(without, *fitted);
-  return symbol ? reading_of_height(without, *symbol) : std::nullopt;
+  const auto part = believed_in(without, *fitted);
+  return part ? reading_of_height(without, *part) : std::nullopt;
 }
 
 }  // namespace
@@ -218,8 +234,8 @@ std::optional<PartReading> read_part_of_height(const GrayView& image, const Quad
   for (const SymbolLayout& layout : options.layouts) {
     const auto rough = completed(cut, layout.frame, camera);
     const auto frame = rough ? fit_cut_height(view, *rough, layout.frame, false) : std::nullopt;
-    const auto symbol = frame ? believed_in(view, *frame) : std::nullopt;
-    auto reading = symbol ? reading_of_height(view, *symbol) : std::nullopt;
+    const auto part = frame ? believed_in(view, *frame) : std::nullopt;
+    auto reading = part ? reading_of_height(view, *part) : std::nullopt;
     if (!reading) continue;
     const auto halos = sharpening_of(image, *frame, layout.frame);
     auto plain = halos ? read_without_halos(view, *frame, *halos, layout) : std::nullopt;

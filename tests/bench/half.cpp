@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is read of tags that the picture's border cuts, by the share of the bars in sight.
 // Usage: bench_half [-v] [FOLDER...] | bench_half drive [N] [SEED] [K1]
+// [ROWS]
 //
 // With folders of photos that have a truth.json: the tags in sight, something in front of them or
 // not, those that the border cuts, and each whole one with the photo cropped across its bars at a
 // drawn place or, of upright tags, beside its bars or along its length, or with a post painted over
 // what is cut off. The book holds the folder's codes. `drive`: pictures simulated on the center
 // lines of the shipped surveys, their plates and cameras taken for exact, these with lenses of this
-// first coefficient of distortion (0); what of the line has a position with and without parts of
-// tags, and how true the positions' covariances are.
+// first coefficient of distortion (0) and with the upper ROWS of their pictures (all); what of the
+// line has a position with and without parts of tags, and how true the positions' covariances are.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -272,13 +273,14 @@ struct Driven {
   Positions without, with, only_changed;
 };
 
-bench::Site exact_site(bench::Site site, double k1) {
+bench::Site exact_site(bench::Site site, double k1, int rows) {
   constexpr double kExact = 1e-6;  // metres, radians
   for (PlacedTag& tag : site.survey.tags) tag.sigma = kExact;
   site.survey.angle_sigma = kExact;
   for (RigCamera& camera : site.rig.cameras) {
     camera.calibration_sigma = {};
     camera.camera.distortion = {k1, k1 * k1};
+    camera.camera.height = std::min(camera.camera.height, rows);
   }
   return site;
 }
@@ -326,7 +328,7 @@ void drive(const bench::Site& site, Draws& draws, Driven& driven) {
   if (changed) driven.only_changed.count(with, vehicle, site.survey.grid);
 }
 
-int read_drives(int count, std::uint64_t seed, double k1) {
+int read_drives(int count, std::uint64_t seed, double k1, int rows) {
   fmt::print(
       "| survey | places | parts read | wrong | located, confirmed, off by 5 sigma, NEES: "
       "without parts | with parts | where parts are used |\n|---|---|---|---|---|---|---|\n");
@@ -336,7 +338,7 @@ int read_drives(int count, std::uint64_t seed, double k1) {
       fmt::print(stderr, "{}\n", site.error().message);
       return 2;
     }
-    const bench::Site exact = exact_site(*std::move(site), k1);
+    const bench::Site exact = exact_site(*std::move(site), k1, rows);
     Driven driven;
     Draws draws(seed);
     for (int i = 0; i < count; ++i) drive(exact, draws, driven);
@@ -358,7 +360,8 @@ int main(int argc, char** argv) {
   if (!arguments.empty() && arguments[0] == "drive") {
     return read_drives(arguments.size() > 1 ? std::stoi(arguments[1]) : 200,
                        arguments.size() > 2 ? std::stoull(arguments[2]) : 1,
-                       arguments.size() > 3 ? std::stod(arguments[3]) : 0);
+                       arguments.size() > 3 ? std::stod(arguments[3]) : 0,
+                       arguments.size() > 4 ? std::stoi(arguments[4]) : 1 << 20);
   }
   for (const std::string& argument : arguments) {
     if (!read_folder(argument, verbose)) return 2;

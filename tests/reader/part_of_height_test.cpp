@@ -124,3 +124,15 @@ TEST_CASE("a board along the side in sight is not taken for the side, and makes 
     CHECK(std::abs(off) < sigma);
   }
 }
+
+TEST_CASE("bars of a tag that is cut above or below are not told a second time without a frame") {
+  const GrayImage image = cut_above_or_below(false, 0.6).image();
+  ReadOptions options = with_codes(kCodes);
+  options.frameless = Frameless::fallback;
+  const ReadResult with_book = read_tags(image.view(), options);
+  CHECK(with_book.parts.size() == 1);
+  CHECK(with_book.frameless.read.empty());
+  options.code_book.clear();
+  options.check = CheckDigit::sum10;
+  CHECK(read_tags(image.view(), options).frameless.read.size() == 1);
+}
