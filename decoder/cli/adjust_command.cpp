@@ -159,7 +159,8 @@ Result<AdjustInput> load_adjust_input(const AdjustOptions& options) {
     return fail("--date " + options.date + ": expected a day as 2026-03-31");
   }
   if (options.date > today()) {
-    to_stderr("{}: --date {} lies in the future, today is {}\n", kAdjust, options.date, today());
+    to_stderr("tagsmith {}: --date {} lies in the future, today is {}\n", kAdjust, options.date,
+              today());
   }
   if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
     return fail("--drawing " + options.drawing +
@@ -225,12 +226,13 @@ Result<Sightings> sightings_of(const AdjustInput& input, int jobs) {
                                       });
   if (!taken) return fail(taken);
   if (photo_counts.others > 0) {
-    to_stderr("{}: {} photos were verified against another state of the survey and left out\n",
-              kAdjust, photo_counts.others);
+    to_stderr(
+        "tagsmith {}: {} photos were verified against another state of the survey and left out\n",
+        kAdjust, photo_counts.others);
   }
   constexpr std::size_t kMostNotes = 20;
   for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) {
-    to_stderr("{}: {}\n", kAdjust, notes[i]);
+    to_stderr("tagsmith {}: {}\n", kAdjust, notes[i]);
   }
   return Sightings{std::move(all), !photo_counts.any_broken_line};
 }
@@ -557,11 +559,11 @@ void warn_of_unchecked(const std::vector<ControlGroup>& groups) {
     const bool one = group.tags.size() == 1;
     const std::string names = fmt::format("{}", fmt::join(group.tags, ", "));
     if (std::isinf(group.unnoticed)) {
-      to_stderr("{}: nothing{} tells whether {} {} as surveyed\n", kAdjust,
+      to_stderr("tagsmith {}: nothing{} tells whether {} {} as surveyed\n", kAdjust,
                 one ? "" : " but each other", names, one ? "hangs" : "hang");
     } else {
       to_stderr(
-          "{}: {} may hang up to {:.0f} mm from where the survey has {} without any other "
+          "tagsmith {}: {} may hang up to {:.0f} mm from where the survey has {} without any other "
           "control tag telling\n",
           kAdjust, names, 1e3 * group.unnoticed, one ? "it" : "them all");
     }
@@ -576,7 +578,7 @@ Result<int> run(const AdjustOptions& options) {
   const std::vector<SightedTag>& sighted = seen->tags;
   print_assumptions(kAdjust, assumptions({&input->survey, 1}, input->setup.rig));
   if (const auto doubt = rig_doubt(input->survey, input->setup.rig, sighted)) {
-    to_stderr("{}: the rig is in doubt, and nothing was adjusted: {}\n", kAdjust, *doubt);
+    to_stderr("tagsmith {}: the rig is in doubt, and nothing was adjusted: {}\n", kAdjust, *doubt);
     return kExitFindings;
   }
   Result<AsBuiltSurvey> found =
@@ -596,7 +598,7 @@ Result<int> run(const AdjustOptions& options) {
     const std::string& file = options.output.empty() ? options.diff : options.output;
     const std::string what =
         file.empty() ? "do not rely on these places" : file + " was not written";
-    to_stderr("{}: {}: {}\n", kAdjust, what, *reason);
+    to_stderr("tagsmith {}: {}: {}\n", kAdjust, what, *reason);
     return kExitFindings;
   }
   const auto written = write_survey(options, input->survey, *found);

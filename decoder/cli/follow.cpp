@@ -75,7 +75,8 @@ Fix next_fix(const Measurement& measurement, const FollowInput& input, LiveDrive
     return input.localize(measurement, surveys, prior, seen);
   };
   Fix fix = drive.next(one, input.track ? measurement.time : std::nullopt);
-  for (const std::string& words : drive.set_aside_notes()) to_stderr("localize: {}\n", words);
+  for (const std::string& words : drive.set_aside_notes())
+    to_stderr("tagsmith localize: {}\n", words);
   return input.confirmed ? if_confirmed(std::move(fix)) : fix;
 }
 

@@ -148,16 +148,17 @@ Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
 bool report_lacking_pictures(const std::vector<Observation>& rows) {
   const auto lacking = std::ranges::count_if(rows, &Observation::lacks_picture);
   if (lacking == 0) return false;
-  to_stderr("{}: photos of {} could not be read, see their notes\n", kLocalize,
+  to_stderr("tagsmith {}: photos of {} could not be read, see their notes\n", kLocalize,
             counted(static_cast<std::size_t>(lacking), "row"));
   return true;
 }
 
 // What is wrong with tags that the run shows to hang elsewhere, and with rows, once each.
 void report_set_aside(const RunCheck& checked) {
-  for (const std::string& words : checked.mixed) to_stderr("{}: {}\n", kLocalize, words);
+  for (const std::string& words : checked.mixed) to_stderr("tagsmith {}: {}\n", kLocalize, words);
   for (const SetAside& tag : checked.aside) {
-    to_stderr("{}: set aside in {}: {}\n", kLocalize, counted(tag.rows.size(), "row"), tag.message);
+    to_stderr("tagsmith {}: set aside in {}: {}\n", kLocalize, counted(tag.rows.size(), "row"),
+              tag.message);
   }
 }
 
@@ -436,7 +437,7 @@ Result<int> run_localize(LocalizeOptions options) {
   const bool lacks_pictures = report_lacking_pictures(rows);
   RunFindings findings;
   findings.altered = leave_out_altered(rows, input->surveys, input->rig);
-  if (!findings.altered.empty()) to_stderr("{}: {}\n", kLocalize, findings.altered);
+  if (!findings.altered.empty()) to_stderr("tagsmith {}: {}\n", kLocalize, findings.altered);
   if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
     findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
   }

@@ -137,11 +137,12 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
   if (!hung) return fail(hung);
   if (hanging->setup.by_lenses) {
     to_stderr(
-        "{}: no rig given: where tags hang was checked by photos that name their lens and show two "
+        "tagsmith {}: no rig given: where tags hang was checked by photos that name their lens and "
+        "show two "
         "tags and more; the tags calibrate it\n",
         command);
   }
-  for (const std::string& note : hung->notes) to_stderr("{}: {}\n", command, note);
+  for (const std::string& note : hung->notes) to_stderr("tagsmith {}: {}\n", command, note);
   print_assumptions(command, hung->assumed);
   return std::optional(std::move(*hung));
 }

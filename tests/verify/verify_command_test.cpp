@@ -693,7 +693,7 @@ TEST_CASE("jobs that know no rig are merged into where tags hang, by all their p
   CHECK(job("right", "").exit_code == 0);
   const std::string both = path + "left.jsonl' " + path + "right.jsonl'";
   const ProgramOutput report = run_tagsmith("report --json " + moved + both + rig);
-  CHECK_MESSAGE(report.err.starts_with("report: no photo ties 000L and 001L"), report.err);
+  CHECK_MESSAGE(report.err.starts_with("tagsmith report: no photo ties 000L and 001L"), report.err);
   CHECK(report.err.find('\n') == report.err.size() - 1);
   const json summary = json_lines(report.out).at(0)["summary"];
 
@@ -789,7 +789,7 @@ TEST_CASE("what of where tags hang was not checked, or fits nothing, is told and
   REQUIRE(write_file(lines, verified).has_value());
   const ProgramOutput copied = run_tagsmith(report + rig + " --json --csv '" + table + "'");
   CHECK(copied.exit_code == 1);
-  CHECK_MESSAGE(copied.err.starts_with("report: no photo ties"), copied.err);
+  CHECK_MESSAGE(copied.err.starts_with("tagsmith report: no photo ties"), copied.err);
   CHECK(copied.err.find('\n') == copied.err.size() - 1);
   const json summary = json_lines(copied.out).at(0)["summary"];
   CHECK(summary["faults"] > 0);
