@@ -554,7 +554,7 @@ void report_broken_lines(const std::string& file, const VerifyLineCounts& counts
 
 Result<VerifyLineCounts> read_own_lines(const std::string& file,
                                         const std::function<void(VerifiedFile)>& take) {
-  const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
+  Result<VerifyLineCounts> counts = read_verify_lines(file, take);
   if (!counts || counts->files > 0 || counts->broken <= 1) return counts;
   return fail(fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
 }

@@ -121,8 +121,9 @@ Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double m
   auto samples = samples_of(decoder, bytes, most_pixels, JCS_GRAYSCALE, 1);
   if (!samples) return fail(samples);
   if (!*samples) return std::nullopt;
-  DecodedImage decoded{{decoder.width(), decoder.height(), std::move(**samples)}, ""};
-  decoded.warning = decoder.warning();
+  std::optional<DecodedImage> decoded(std::in_place);
+  decoded->image = {decoder.width(), decoder.height(), std::move(**samples)};
+  decoded->warning = decoder.warning();
   return decoded;
 }
 
