@@ -99,9 +99,9 @@ std::optional<double> number_in(const TableRow& row, const std::string& column, 
 CameraMeasurement read_camera(const TableRow& row, const std::string& name,
                               const fs::path& folder) {
   CameraMeasurement measured;
-  const std::string image = row.text(name);
+  const std::string& image = row.text(name);
   if (!image.empty()) measured.image = folder / image;
-  const std::string tag = row.text(name + "_tag");
+  const std::string& tag = row.text(name + "_tag");
   if (!tag.empty()) measured.tag = tag;
   constexpr double kShortest = 1e-3;
   constexpr double kLongest = 1e4;
