@@ -28,13 +28,17 @@ int border_at(const GrayView& image, PixelPoint corner) {
 
 }  // namespace
 
+Quad beginning_at(const Quad& quad, std::size_t corner) {
+  return {quad[corner % 4], quad[(corner + 1) % 4], quad[(corner + 2) % 4], quad[(corner + 3) % 4]};
+}
+
 std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad) {
   std::array<int, 4> borders{};
   for (std::size_t i = 0; i < 4; ++i) borders[i] = border_at(level.image, quad[i]);
   for (std::size_t i = 0; i < 4; ++i) {
     const bool is_cut = borders[(i + 1) % 4] >= 0 && borders[(i + 1) % 4] == borders[(i + 2) % 4];
     if (!is_cut || borders[i] >= 0 || borders[(i + 3) % 4] >= 0) continue;
-    return Quad{quad[i], quad[(i + 1) % 4], quad[(i + 2) % 4], quad[(i + 3) % 4]};
+    return beginning_at(quad, i);
   }
   return std::nullopt;
 }

@@ -2,6 +2,7 @@
 // Feature frames that the picture's border cuts: three sides are in sight, the fourth is beyond.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "decoder/feature_frame/candidates.hpp"
@@ -13,6 +14,9 @@
 #include "tagsmith/geometry/camera.hpp"
 
 namespace tagsmith::detail {
+
+// The same quadrilateral with its corners taken in cyclic order from this one on.
+Quad beginning_at(const Quad& quad, std::size_t corner);
 
 // An outline of a level of which exactly one side lies on the picture's border, turned so that this
 // is side 1; nothing for another outline.

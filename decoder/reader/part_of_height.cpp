@@ -24,19 +24,13 @@
 namespace tagsmith::detail {
 namespace {
 
-// Turns a cut outline, whose side 1 is out of sight, so that this becomes side 2; and back. Thus
-// the side in sight is side 0.
-Quad from_side_in_sight(const Quad& cut) { return {cut[3], cut[0], cut[1], cut[2]}; }
-Quad from_side_beside(const Quad& frame) { return {frame[1], frame[2], frame[3], frame[0]}; }
-
-Quad turned_quad(const Quad& quad) { return {quad[2], quad[3], quad[0], quad[1]}; }
-
-// The frame with its side out of sight where its proportions have it.
+// The frame from its side in sight on, which becomes side 0, with side 2, out of sight, where its
+// proportions have it. Side 1 of a cut outline is out of sight.
 std::optional<Quad> completed(const Quad& cut, const FrameShape& shape, const Camera& camera) {
   FrameShape upright = shape;
   std::swap(upright.length, upright.height);
   const auto whole = completed_by_shape(cut, upright, camera);
-  return whole ? std::optional(from_side_in_sight(*whole)) : std::nullopt;
+  return whole ? std::optional(beginning_at(*whole, 3)) : std::nullopt;
 }
 
 struct CutView {
@@ -50,7 +44,7 @@ std::optional<RefinedFrame> fit_cut_height(const CutView& view, const Quad& roug
   const auto fitted = refine_shown_sides(view.image, rough, {true, true, false, true}, 0,
                                          LensDistortion(view.camera), shape, was_sharpened);
   if (!fitted || std::ranges::count(fitted->shown, true) < 3) return std::nullopt;
-  const auto whole = completed(from_side_beside(fitted->corners), shape, view.camera);
+  const auto whole = completed(beginning_at(fitted->corners, 1), shape, view.camera);
   if (!whole) return std::nullopt;
   RefinedFrame frame = *fitted;
   frame.corners = *whole;
@@ -91,10 +85,9 @@ SymbolHypothesis in_part(const SymbolHypothesis& symbol, const HeightShare& part
 // The whole frame from P on, of which a part is in sight.
 std::optional<Quad> whole_frame(const Quad& part, bool is_upper_shown, const FrameShape& shape,
                                 const Camera& camera) {
-  const Quad from_shown = is_upper_shown ? part : turned_quad(part);
-  const auto whole = completed(from_side_beside(from_shown), shape, camera);
-  if (!whole || is_upper_shown) return whole;
-  return turned_quad(*whole);
+  const std::size_t shown = is_upper_shown ? 0 : 2;
+  const auto whole = completed(beginning_at(part, shown + 1), shape, camera);
+  return whole ? std::optional(beginning_at(*whole, shown)) : std::nullopt;
 }
 
 // How far a frame's side out of sight may be from where its proportions have it, pixels: the more,
@@ -120,7 +113,7 @@ std::optional<double> doubt_of_unseen(const Quad& whole, const CornerCovariance&
   const double by_sides = (by_corners * covariance * by_corners.transpose()).trace() / 2;
   const int steps = view.options.camera ? kPart.steps : kPart.steps_unknown;
   const double by_proportions = kPart.step * steps * distance(whole[1], whole[2]);
-  return std::hypot(std::sqrt(by_sides), by_proportions);
+  return std::sqrt(by_sides + by_proportions * by_proportions);
 }
 
 // A believed symbol, and how far the side out of sight may be from where it is assumed.

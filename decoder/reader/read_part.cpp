@@ -465,10 +465,6 @@ namespace {
 
 constexpr std::array<bool, 4> kAllButSide1{true, false, true, true};
 
-Quad beginning_at(const Quad& quad, std::size_t corner) {
-  return {quad[corner % 4], quad[(corner + 1) % 4], quad[(corner + 2) % 4], quad[(corner + 3) % 4]};
-}
-
 // Adds an outline that is not among them yet with the same side 1.
 void add_new(const Quad& outline, double scale, std::vector<Quad>& outlines) {
   const double tolerance = kPart.border_px * scale;
