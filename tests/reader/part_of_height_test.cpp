@@ -15,18 +15,14 @@
 
 #include "decoder/reader/part_reading.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/reader/with_book.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
 using tagsmith::detail::test::SeenTag;
+using tagsmith::detail::test::with_book;
 
 namespace {
-
-ReadOptions with_codes(const std::vector<std::string>& codes) {
-  ReadOptions options;
-  for (const std::string& code : codes) options.code_book.push_back(*parse_digits(code));
-  return options;
-}
 
 // Of which a border leaves so much of the frame's height, the upper or the lower one.
 SeenTag cut_above_or_below(bool is_above, double left, double turn = 0) {
@@ -40,7 +36,7 @@ SeenTag cut_above_or_below(bool is_above, double left, double turn = 0) {
 std::optional<PartReading> part_of(const SeenTag& tag, const std::vector<std::string>& codes,
                                    std::optional<Camera> camera = {}) {
   const GrayImage image = tag.image();
-  ReadOptions options = with_codes(codes);
+  ReadOptions options = with_book(codes);
   options.camera = std::move(camera);
   const ReadResult result = read_tags(image.view(), options);
   CHECK(result.tags.empty());
@@ -96,11 +92,11 @@ TEST_CASE("an outline that is cut above or below is read without a search, not o
   const GrayImage image = tag.image();
   const Homography map = homography_to(tag.corners());
   const Quad below{map(1, 0), map(1, 0.6), map(0, 0.6), map(0, 0)};
-  const auto part = read_part_of_height(image.view(), below, kCamera, with_codes(kCodes));
+  const auto part = read_part_of_height(image.view(), below, kCamera, with_book(kCodes));
   REQUIRE(part);
   CHECK(digits_in_sight(*part) == "019000700401");
   const Quad at_end{map(0, 0), map(0.6, 0), map(0.6, 0.55), map(0, 0.55)};
-  CHECK_FALSE(read_part_of_height(image.view(), at_end, kCamera, with_codes(kCodes)));
+  CHECK_FALSE(read_part_of_height(image.view(), at_end, kCamera, with_book(kCodes)));
 }
 
 TEST_CASE("cut above or below, no code is read but one of the book") {
@@ -127,11 +123,11 @@ TEST_CASE("a board along the side in sight is not taken for the side, and makes 
 
 TEST_CASE("bars of a tag that is cut above or below are not told a second time without a frame") {
   const GrayImage image = cut_above_or_below(false, 0.6).image();
-  ReadOptions options = with_codes(kCodes);
+  ReadOptions options = with_book(kCodes);
   options.frameless = Frameless::fallback;
-  const ReadResult with_book = read_tags(image.view(), options);
-  CHECK(with_book.parts.size() == 1);
-  CHECK(with_book.frameless.read.empty());
+  const ReadResult in_book = read_tags(image.view(), options);
+  CHECK(in_book.parts.size() == 1);
+  CHECK(in_book.frameless.read.empty());
   options.code_book.clear();
   options.check = CheckDigit::sum10;
   CHECK(read_tags(image.view(), options).frameless.read.size() == 1);

@@ -16,19 +16,15 @@
 #include "decoder/reader/part_reading.hpp"
 #include "decoder/reader/read_part.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/reader/with_book.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
 using tagsmith::detail::test::farthest_apart;
 using tagsmith::detail::test::SeenTag;
+using tagsmith::detail::test::with_book;
 
 namespace {
-
-ReadOptions with_book(const std::vector<std::string>& codes) {
-  ReadOptions options;
-  for (const std::string& code : codes) options.code_book.push_back(*parse_digits(code));
-  return options;
-}
 
 // Of which the left border cuts off the first third.
 SeenTag cut_at_left() {
