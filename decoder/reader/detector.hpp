@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string_view>
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
@@ -30,6 +31,9 @@ namespace tagsmith::detail {
 class Detector {
  public:
   Detector(SearchedImage& picture, const ReadOptions& options);
+
+  // Names the proposer of the places that follow.
+  void note_proposer(std::string_view name) { found_.note_proposer(name); }
 
   // Looks at a proposed place.
   void consider(const Proposal& proposal);

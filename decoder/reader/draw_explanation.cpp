@@ -170,9 +170,11 @@ std::string facts_of(const ExplainedSymbol& symbol) {
 
 void draw_panel(cv::Mat panel, const ExplainedSymbol& symbol, std::size_t number) {
   const std::string what = symbol.refusal ? "refused: " + *symbol.refusal + ", best guess " : "";
+  const std::string where =
+      symbol.proposer.empty() ? "" : fmt::format("  (proposer: {})", symbol.proposer);
   write(panel,
         fmt::format("{}: {}{}{}", number, what, to_string(symbol.digits),
-                    symbol.framed ? "" : "  (no frame)"),
+                    symbol.framed ? where : "  (no frame)"),
         {20, 28}, 0.7, color_of(symbol));
   write(panel, facts_of(symbol), {20, 52}, 0.48, kMeasured);
   if (symbol.profile.empty()) {

@@ -65,6 +65,7 @@ ExplainedSymbol explain_reading(const Reading& reading) {
   ExplainedSymbol explained;
   if (reading.symbol) add_symbol(*reading.symbol, explained);
   explained.digits = reading.digits;
+  explained.proposer = reading.proposer;
   explained.outline = reading.corners;
   explained.module_px = reading.module_px;
   explained.confidence = reading.confidence;
@@ -74,6 +75,7 @@ ExplainedSymbol explain_reading(const Reading& reading) {
 ExplainedSymbol explain_rejection(const Rejection& rejection) {
   ExplainedSymbol explained;
   if (rejection.symbol) add_symbol(*rejection.symbol, explained);
+  explained.proposer = rejection.proposer;
   explained.outline = rejection.corners;
   explained.refusal = describe_measured(rejection);
   return explained;

@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
@@ -19,6 +20,7 @@ namespace tagsmith::detail {
 struct ExplainedSymbol {
   Digits digits{};  // read, or the best guess where it was refused
   std::optional<std::string> refusal;
+  std::string_view proposer{};  // whose place led to it; empty without a frame
   bool framed = true;
   std::array<PixelPoint, 4> outline{};           // inner corners of the frame from P, or the bars'
                                                  // outline

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where in a picture tags may be. A proposer has the places that it finds considered one by one, so
 // that the result at one place is known before it looks for the next. To add one, write a function
-// here and name it in a list of reader.cpp; what it needs to know from the caller is a member of
-// ReadOptions. A costly one needs a bound and a reason to run:
-// docs/decisions/0008-search-and-its-cost.md.
+// here and put it into a list of reader.cpp, with the name that `read --explain` gives it; what it
+// needs to know from the caller is a member of ReadOptions. A costly one needs a bound and a reason
+// to run: docs/decisions/0008-search-and-its-cost.md.
 #pragma once
 
 #include <functional>
+#include <string_view>
 
 #include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
@@ -24,7 +25,10 @@ struct SearchContext {
   bool is_searched = false;                       // the whole picture; else no closer look follows
 };
 
-using Proposer = void (*)(SearchContext& search);
+struct Proposer {
+  std::string_view name;
+  void (*propose)(SearchContext& search);
+};
 
 // Expected tags where they should be, then what looks like a frame around there.
 void propose_expected(SearchContext& search);

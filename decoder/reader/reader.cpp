@@ -22,9 +22,11 @@ namespace {
 
 // In their order, the cheapest first. The closer look is left out where a caller knows enough after
 // the first, and in pictures that are not searched.
-constexpr std::array kFirstLook{propose_expected, propose_near_bars};
-constexpr std::array kCloserLook{propose_around_bars, propose_pieces, propose_refused,
-                                 propose_bars};
+constexpr std::array kFirstLook{Proposer{"expected", propose_expected},
+                                Proposer{"near bars", propose_near_bars}};
+constexpr std::array kCloserLook{
+    Proposer{"around bars", propose_around_bars}, Proposer{"pieces", propose_pieces},
+    Proposer{"refused", propose_refused}, Proposer{"bars", propose_bars}};
 
 }  // namespace
 
@@ -42,7 +44,10 @@ struct TagSearch::State {
         detector(picture, options) {}
 
   void look(std::span<const Proposer> proposers) {
-    for (const Proposer propose : proposers) propose(search);
+    for (const Proposer& proposer : proposers) {
+      detector.note_proposer(proposer.name);
+      proposer.propose(search);
+    }
     detector.try_doubtful();
     detector.read_parts();
   }

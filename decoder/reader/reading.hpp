@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "decoder/feature_frame/corner_covariance.hpp"
@@ -39,6 +40,7 @@ struct Reading {
   // Of the corners, pixels^2; zero = not estimated.
   CornerCovariance corner_covariance = CornerCovariance::Zero();
   std::optional<SymbolHypothesis> symbol{};  // that was believed; nothing by the paper's method
+  std::string_view proposer{};               // whose place led to it; empty by the paper's method
 };
 
 // Why something that looks like a tag was not read.
@@ -70,6 +72,7 @@ struct Rejection {
   double limit = 0;
   FrameFault fault = FrameFault::not_framed;
   std::optional<SymbolHypothesis> symbol{};  // that was refused, as far as it was seen
+  std::string_view proposer{};               // whose place led to it; empty by the paper's method
   std::string step{};
 };
 

@@ -44,6 +44,8 @@ bool TagHypotheses::any_reading(const Condition& condition) const {
 // If two plates in one place bear different digits, nothing shows which of them is another
 // survey's.
 TagHypothesis& TagHypotheses::keep(TagHypothesis hypothesis) {
+  if (auto* tag = std::get_if<Reading>(&hypothesis.outcome)) tag->proposer = proposer_;
+  if (auto* refused = std::get_if<Rejection>(&hypothesis.outcome)) refused->proposer = proposer_;
   for (TagHypothesis& other : all_) {
     const Reading* now = hypothesis.reading();
     const Reading* before = other.reading();
@@ -53,7 +55,10 @@ TagHypothesis& TagHypotheses::keep(TagHypothesis hypothesis) {
       continue;
     }
     for (TagHypothesis* read : {&other, &hypothesis}) {
-      read->outcome = rejection_of(*read->reading()->symbol, {RejectionReason::doubtful});
+      const std::string_view proposer = read->reading()->proposer;
+      Rejection refused = rejection_of(*read->reading()->symbol, {RejectionReason::doubtful});
+      refused.proposer = proposer;
+      read->outcome = std::move(refused);
     }
   }
   return all_.emplace_back(std::move(hypothesis));

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -56,6 +57,9 @@ class TagHypotheses {
 
   const std::vector<TagHypothesis>& all() const { return all_; }
   TagHypothesis& operator[](std::size_t index) { return all_[index]; }
+
+  // Names the proposer of the hypotheses that follow.
+  void note_proposer(std::string_view name) { proposer_ = name; }
 
   // Adds a hypothesis, which is returned. Of two readings in one place the one that explains more
   // stays where their digits are the same; none does where they differ.
@@ -110,6 +114,7 @@ class TagHypotheses {
   bool any_reading(const Condition& condition) const;
 
   FrameShape shape_;
+  std::string_view proposer_;
   std::vector<TagHypothesis> all_;
 };
 

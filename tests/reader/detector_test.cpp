@@ -267,9 +267,12 @@ TEST_CASE("of two readings in one place one stays, and none where their digits d
     const PyramidLevel level = picture.pyramid().levels().back().level;
     detector.consider(Outline{level, to_level(level, widened(large.corners(), 1))});
     REQUIRE(detector.found().covered_frames().size() == 1);
+    detector.note_proposer("refused");
     detector.consider(RefusedFrame{detector.found().covered_frames()[0]});
     REQUIRE(detector.found().tags().size() == 1);
     CHECK(detector.found().tags()[0].digits == large.digits);
+    CHECK(detector.found().tags()[0].proposer == "refused");
+    detector.note_proposer("pieces");
     detector.consider(Outline{level, to_level(level, widened(small.corners(), 1))});
     const ReadResult result = detector.result();
     REQUIRE(result.tags.size() == (alike ? 1 : 0));
@@ -281,5 +284,6 @@ TEST_CASE("of two readings in one place one stays, and none where their digits d
     // What was refused of the large one before it was read is told in place of that.
     CHECK(result.rejected[0].reason == RejectionReason::element_widths);
     CHECK(result.rejected[1].reason == RejectionReason::doubtful);
+    CHECK(result.rejected[1].proposer == "pieces");
   }
 }

@@ -37,6 +37,7 @@ TEST_CASE("an expected tag is read without a search although it is some pixels o
   const GrayImage image = photo();
   const ReadResult searched = read_tags(image.view());
   REQUIRE(searched.tags.size() == 1);
+  CHECK(searched.tags.front().proposer == "near bars");
   for (const double off : {0.0, 3.0, 8.0, 20.0, 40.0}) {
     CAPTURE(off);
     ReadOptions options;
@@ -44,6 +45,7 @@ TEST_CASE("an expected tag is read without a search although it is some pixels o
     options.expected = {moved(searched.tags.front(), 0.7 * off, -0.7 * off, off + 1)};
     const ReadResult result = read_tags(image.view(), options);
     REQUIRE(result.tags.size() == 1);
+    CHECK(result.tags.front().proposer == "expected");
     CHECK(result.tags.front().digits == searched.tags.front().digits);
     CHECK(farthest_apart(result.tags.front().corners, searched.tags.front().corners) < 0.05);
   }
