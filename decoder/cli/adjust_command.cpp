@@ -343,7 +343,6 @@ Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurv
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kAdjustNotes = R"(Example:
   tagsmith verify --json mine/survey.yaml --rig mine/rig.yaml --run run.csv > run.jsonl

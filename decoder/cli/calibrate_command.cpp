@@ -42,8 +42,6 @@ namespace tagsmith::detail {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // The measurement is not known to more digits; null where it is not finite.
 Json measured(double value) { return std::isfinite(value) ? Json(with_digits(value, 6)) : Json(); }
 

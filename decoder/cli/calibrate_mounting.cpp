@@ -27,8 +27,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::array<const char*, 6> kParameters{"x", "y", "z", "yaw", "pitch", "roll"};
 
 Result<void> check_files(const CalibrateMountingOptions& options, const SurveyedRun& input) {

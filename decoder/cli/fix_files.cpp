@@ -20,8 +20,6 @@ namespace tagsmith::detail {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json json_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
 // Row by row.

@@ -20,8 +20,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::size_t kLongestLine = 1 << 20;
 
 // Nothing for lists and objects, which may be nested without limit.

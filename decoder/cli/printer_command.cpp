@@ -58,14 +58,13 @@ Result<int> write_sheet(const PrinterOptions& options) {
 void report(const PrinterMeasurement& found, const PrinterOptions& options) {
   const PrinterProfile& profile = found.profile;
   if (options.json) {
-    const nlohmann::ordered_json object{
-        {"printer", profile.name},
-        {"scale", {profile.scale.right, profile.scale.down}},
-        {"bar_growth_mm", {profile.growth_right * 1000, profile.growth_down * 1000}},
-        {"growth_spread_mm", found.growth_spread * 1000},
-        {"dot_gain_percent", profile.dot_gain * 100},
-        {"mark_error_mm", found.mark_error * 1000},
-        {"profile", options.output}};
+    const Json object{{"printer", profile.name},
+                      {"scale", {profile.scale.right, profile.scale.down}},
+                      {"bar_growth_mm", {profile.growth_right * 1000, profile.growth_down * 1000}},
+                      {"growth_spread_mm", found.growth_spread * 1000},
+                      {"dot_gain_percent", profile.dot_gain * 100},
+                      {"mark_error_mm", found.mark_error * 1000},
+                      {"profile", options.output}};
     to_stdout("{}\n", json_text(object));
     return;
   }

@@ -8,8 +8,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json to_json(const FrameCorners& corners) {
   return json_list(corners, [](const PixelPoint& corner) -> Json {
     return {with_decimals(corner.x, 3), with_decimals(corner.y, 3)};

@@ -266,8 +266,6 @@ std::string ledger_page(const Survey& survey, const LedgerReport& report) {
 
 // ---- The report.
 
-using Json = nlohmann::ordered_json;
-
 double rounded(double value) { return with_decimals(value, 4); }
 
 Json to_json(const std::optional<Day>& day) { return day ? Json(to_text(*day)) : Json(); }

@@ -31,7 +31,6 @@ namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kTruth = "truth.json";
 constexpr const char* kRun = "run.csv";

@@ -23,7 +23,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using nlohmann::json;
 
 // --- writing ---

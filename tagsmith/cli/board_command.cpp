@@ -116,19 +116,19 @@ Result<void> check_files(const BoardOptions& options) {
 std::string board_json(const Board& board, const BoardOptions& options) {
   const auto metres = [](double value) { return with_decimals(value, 9); };
   const auto [right, down] = drawn_distances(board.width, board.height);
-  const nlohmann::ordered_json json{{"sheet", options.output},
-                                    {"board", board_file_of(options).string()},
-                                    {"name", board.name},
-                                    {"serial", board.serial},
-                                    {"width", metres(board.width)},
-                                    {"height", metres(board.height)},
-                                    {"columns", board.grid.columns},
-                                    {"rows", board.grid.rows},
-                                    {"tags", board.tags.size()},
-                                    {"module", metres(module_width(board.tag))},
-                                    {"dots_per_inch", board.tag.dots_per_inch},
-                                    {"a_b", metres(right)},
-                                    {"a_c", metres(down)}};
+  const Json json{{"sheet", options.output},
+                  {"board", board_file_of(options).string()},
+                  {"name", board.name},
+                  {"serial", board.serial},
+                  {"width", metres(board.width)},
+                  {"height", metres(board.height)},
+                  {"columns", board.grid.columns},
+                  {"rows", board.grid.rows},
+                  {"tags", board.tags.size()},
+                  {"module", metres(module_width(board.tag))},
+                  {"dots_per_inch", board.tag.dots_per_inch},
+                  {"a_b", metres(right)},
+                  {"a_c", metres(down)}};
   return json_text(json);
 }
 

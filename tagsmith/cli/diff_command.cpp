@@ -33,23 +33,21 @@ auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
 
 void print_json(const std::vector<TagDifference>& differences,
                 const std::vector<ReadElsewhere>& misread, const Survey& after) {
+  const auto in_degrees = [](double angle) { return with_decimals(degrees(angle), 3); };
   for (const TagDifference& difference : differences) {
-    nlohmann::ordered_json turn = nlohmann::ordered_json::array();
-    for (const double angle : difference.turn) turn.push_back(with_decimals(degrees(angle), 3));
     to_stdout("{}\n", json_text({{"tag", difference.tag},
                                  {"change", to_string(difference.change)},
                                  {"distance", with_decimals(difference.distance, 6)},
-                                 {"turn_deg", turn},
+                                 {"turn_deg", json_list(difference.turn, in_degrees)},
                                  {"reason", difference.reason}}));
   }
-  nlohmann::ordered_json elsewhere = nlohmann::ordered_json::array();
-  for (const ReadElsewhere& plate : misread) elsewhere.push_back(plate.tag);
+  const auto name_of = [](const ReadElsewhere& plate) { return plate.tag; };
   to_stdout("{}\n", json_text({{"summary",
                                 {{"print", count_of(differences, TagChange::print)},
                                  {"reprint", count_of(differences, TagChange::reprint)},
                                  {"move", count_of(differences, TagChange::move)},
                                  {"remove", count_of(differences, TagChange::remove)},
-                                 {"read_elsewhere", elsewhere},
+                                 {"read_elsewhere", json_list(misread, name_of)},
                                  {"revision", survey_revision(after)}}}}));
 }
 

@@ -7,8 +7,8 @@
 
 namespace tagsmith::detail {
 
-std::string json_text(const nlohmann::ordered_json& value, int indent) {
-  return value.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+std::string json_text(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 double with_decimals(double value, int decimals) {
@@ -22,11 +22,9 @@ double with_digits(double value, int digits) {
                        digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
 }
 
-nlohmann::ordered_json finite_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-}
+Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-nlohmann::ordered_json number_list(std::span<const double> values) {
+Json number_list(std::span<const double> values) {
   return json_list(values, [](double value) { return value; });
 }
 

@@ -12,8 +12,11 @@
 
 namespace tagsmith::detail {
 
+// JSON as the program writes it: keys stay in their order.
+using Json = nlohmann::ordered_json;
+
 // On one line, or with this many spaces a level. Bytes that are no UTF-8 become U+FFFD.
-std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
+std::string json_text(const Json& value, int indent = -1);
 
 // Rounded so that the shortest text of the number has at most that many decimals.
 double with_decimals(double value, int decimals);
@@ -22,18 +25,18 @@ double with_decimals(double value, int decimals);
 double with_digits(double value, int digits);
 
 // JSON has no infinity: null stands for what is not finite.
-nlohmann::ordered_json finite_or_null(double value);
+Json finite_or_null(double value);
 
 // What `json_of` makes of each item, as a list.
-template <class Items, class JsonOf, class Json = nlohmann::ordered_json>
-Json json_list(const Items& items, const JsonOf& json_of) {
-  Json list = Json::array();
+template <class Items, class JsonOf, class List = Json>
+List json_list(const Items& items, const JsonOf& json_of) {
+  List list = List::array();
   for (const auto& item : items) list.push_back(json_of(item));
   return list;
 }
 
 // The numbers as a list.
-nlohmann::ordered_json number_list(std::span<const double> values);
+Json number_list(std::span<const double> values);
 
 // Those of a vector of Eigen's.
 template <typename Vector>

@@ -31,8 +31,6 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct NewOptions {
   std::string name;
   std::string points;

@@ -54,7 +54,6 @@ struct OptimisedDrive {
 };
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 // Templates to choose from, by file.
 using Templates = std::map<fs::path, TagTemplate>;

@@ -15,8 +15,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::size_t kMostDrawnPoints = 1500;  // of the profile and of the map's lines
 
 constexpr const char* kStyle = R"css(

@@ -246,8 +246,6 @@ std::string plan_report(const PlannedDrive& drive) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // To the micrometre: profiles are long.
 Json rounded(double value) { return finite_or_null(with_decimals(value, 6)); }
 

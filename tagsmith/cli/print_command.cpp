@@ -232,8 +232,7 @@ void report(const PrintRecord& record, const PrintOptions& options) {
     for (const std::string& file : others) to_stdout("{}\n", file);
     return;
   }
-  const nlohmann::ordered_json summary{
-      {"summary", {{"count", record.tags.size()}, {"files", others}}}};
+  const Json summary{{"summary", {{"count", record.tags.size()}, {"files", others}}}};
   to_stdout("{}\n", json_text(summary));
 }
 

@@ -36,8 +36,6 @@ namespace tagsmith::detail {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kManifestJson = "manifest.json";
 constexpr const char* kManifestCsv = "manifest.csv";
 

@@ -42,10 +42,9 @@ struct GeoLayer {
   std::string name;
   std::string geometry;  // POINT or LINESTRING
   std::vector<GeoColumn> columns;
-  const nlohmann::ordered_json* features = nullptr;  // a list, which must outlive the layer
+  const Json* features = nullptr;  // a list, which must outlive the layer
 };
 
-using Json = nlohmann::ordered_json;
 using Database = std::unique_ptr<sqlite3, decltype(&sqlite3_close)>;
 using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 

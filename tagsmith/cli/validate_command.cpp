@@ -174,7 +174,7 @@ Findings validate(const ValidateOptions& options) {
 }
 
 std::string json_line(const Diagnostic& diagnostic) {
-  nlohmann::ordered_json line;
+  Json line;
   line["file"] = diagnostic.file;
   line["line"] = diagnostic.line;
   line["column"] = diagnostic.column;
