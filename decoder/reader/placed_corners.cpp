@@ -148,11 +148,6 @@ Eigen::RowVector3d enter_beside(Eigen::Index place, std::size_t side, double hei
   return module_px * SeenPlaces::by_displacement(module);
 }
 
-// How the bars of each quarter of their height are displaced, from the upper end on.
-using SeenBands = std::array<SeenPlaces, 4>;
-
-HeightShare band_of(int band) { return {0.25 * band, 0.25 * (band + 1)}; }
-
 // Takes what is plain where the symbol shows bars for covered or saturated: no element is wider
 // than four modules.
 void hide_plain(const SymbolHypothesis& symbol, ScanProfile& bins) {
@@ -257,23 +252,19 @@ void add_unexplained(double by_lens, SeenOutwards& seen) {
 }
 
 // How far the upper and the lower corners may lie along the bars beside a straight line through the
-// bars of all heights, pixels: what a cubic through the bands adds to it there, if more than noise
-// puts the bands beside a line. Rows of an image that a shaken camera reads one after another do
-// so, and the two fields of a video.
-std::array<double, 2> beside_a_line(const SeenBands& bands, const SymbolHypothesis& symbol) {
-  const Eigen::RowVector3d at_middle = SeenPlaces::by_displacement(kModuleCount / 2.0);
+// bars of all heights, pixels: what a quadratic and a cubic through the bands add to it there, if
+// more than noise puts the bands beside a line. Rows of an image that a shaken camera reads one
+// after another do so. A shake also looks like pixel locking of the sides, which is no noise here.
+std::array<double, 2> beside_a_line(const SeenBands& bands, double middle,
+                                    const SymbolHypothesis& symbol) {
+  const Eigen::RowVector3d at_middle = SeenPlaces::by_displacement(middle);
   const double px = symbol.profile.module_px;
-  // Bars along the columns of pixels show them at the same fraction over a whole band.
-  const Quad& corners = symbol.frame.corners;
-  const double crossed =
-      std::min(std::abs(corners[3].x - corners[0].x), std::abs(corners[3].y - corners[0].y));
-  const double along_grid = kCorner.side + pixel_locking(symbol.frame) / std::max(1.0, crossed / 6);
   Eigen::Matrix<double, 1, 4> shift, variance;
   for (int i = 0; i < 4; ++i) {
     const SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
     shift[i] = px * at_middle.dot(bars.displacement);
-    variance[i] =
-        px * px * at_middle.dot(bars.covariance * at_middle.transpose()) + along_grid * along_grid;
+    variance[i] = px * px * at_middle.dot(bars.covariance * at_middle.transpose()) +
+                  kCorner.side * kCorner.side;
   }
   // Multiples of the orthogonal polynomials of second and third degree at -1.5, -0.5, 0.5, 1.5.
   const Eigen::Vector4d second(1, -1, -1, 1), third(-1, 3, -3, 1);
@@ -285,7 +276,7 @@ std::array<double, 2> beside_a_line(const SeenBands& bands, const SymbolHypothes
   const double step = (height(3) - height(0)) / 3;
   const auto beside = [&](double corner) {
     const double x = (corner - height(0)) / step - 1.5;
-    return quadratic / 4 * (x * x - 1.25) + cubic / 6 * (x * x * x - 2.05 * x);
+    return std::hypot(quadratic / 4 * (x * x - 1.25), cubic / 6 * (x * x * x - 2.05 * x));
   };
   return {beside(0), beside(1)};
 }
@@ -399,20 +390,22 @@ PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& 
   return placed;
 }
 
-// The upper and the lower corners lie beside it independently of each other.
-CornerCovariance covariance_beside_a_line(const FrameCorners& corners,
-                                          const std::array<double, 2>& beside) {
+}  // namespace
+
+HeightShare band_of(int band) { return {0.25 * band, 0.25 * (band + 1)}; }
+
+CornerCovariance covariance_beside_a_line(const SeenBands& bands, double middle,
+                                          const SymbolHypothesis& symbol) {
+  const std::array<double, 2> beside = beside_a_line(bands, middle, symbol);
   Eigen::Matrix<double, 8, 2> moved = Eigen::Matrix<double, 8, 2>::Zero();
   for (const Eigen::Index i : {0, 1}) {
     const auto end = static_cast<std::size_t>(i);
-    const PixelPoint along = side_of(corners, 2 * end).along;
+    const PixelPoint along = side_of(symbol.frame.corners, 2 * end).along;
     moved.block<4, 1>(4 * i, i) << along.x, along.y, along.x, along.y;
     moved.col(i) *= beside[end];
   }
   return moved * moved.transpose();
 }
-
-}  // namespace
 
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol) {
   return find_both_ends(
@@ -429,7 +422,7 @@ PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypoth
   const StrokeExcesses excesses = stroke_excesses(image, symbol);
   PlacedCorners placed =
       moved_to_bars(symbol, seen_by_bars(symbol, bands, ends, excesses), excesses);
-  placed.covariance += covariance_beside_a_line(placed.corners, beside_a_line(bands, symbol));
+  placed.covariance += covariance_beside_a_line(bands, kModuleCount / 2.0, symbol);
   return placed;
 }
 

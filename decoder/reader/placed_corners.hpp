@@ -2,11 +2,15 @@
 // Where a frame's corners are by all that was seen of a tag.
 #pragma once
 
+#include <array>
+
 #include "decoder/feature_frame/corner_covariance.hpp"
 #include "decoder/feature_frame/frame.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/bar_ends.hpp"
+#include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
+#include "decoder/scan/symbol_fit.hpp"
 
 namespace tagsmith::detail {
 
@@ -14,6 +18,16 @@ struct PlacedCorners {
   FrameCorners corners{};
   CornerCovariance covariance;  // pixels^2
 };
+
+// How the bars of each quarter of their height are displaced, from the upper end on.
+using SeenBands = std::array<SeenPlaces, 4>;
+HeightShare band_of(int band);
+
+// What is unsure about the corners, pixels^2, where the bars of several heights lie on no straight
+// line at their middle (a module): the upper and the lower corners along the bars, independently of
+// each other. Zero where noise explains it.
+CornerCovariance covariance_beside_a_line(const SeenBands& bands, double middle,
+                                          const SymbolHypothesis& symbol);
 
 // Where a symbol's bars end, in its frame as that was fitted.
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol);

@@ -292,6 +292,23 @@ bool is_believed(const GrayView& image, const Part& part, const ReadOptions& opt
           !halves_contradict(part.rows, part.decoding.decoding));
 }
 
+// The bars in sight of all heights must lie on a straight line, as those of whole tags.
+CornerCovariance covariance_beside_a_line(const Part& part, const SymbolHypothesis& symbol) {
+  SeenBands bands;
+  double middle = 0;
+  for (int i = 0; i < 4; ++i) {
+    const bool turn = symbol.decoding.upside_down;
+    ScanProfile bins =
+        certain_places(part.rows.of_agreeing_rows(band_of(turn ? 3 - i : i)).bins, part.decoding);
+    if (turn) bins = turned(bins);
+    SeenPlaces& bars = bands[static_cast<std::size_t>(i)];
+    bars = seen_places(bins, symbol.decoding.digits, symbol.decoding.fit.image, kPart.bend_sigma);
+    bars.covariance *= kCorner.alike;
+    middle += (bins.front().at + bins.back().at) / 8;
+  }
+  return covariance_beside_a_line(bands, middle, symbol);
+}
+
 std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
   const Decoding& decoding = part.decoding.decoding;
   const FarSide far = far_side_of(part);
@@ -313,7 +330,8 @@ std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
     reading.corner_in_sight[i] = is_in_picture(image, reading.corners[i]);
   }
   // A lens that is not as stated bends the sides, too, and the bars show it.
-  reading.corner_covariance = far.contradiction * covariance_by_frame(image, symbol);
+  reading.corner_covariance = far.contradiction * covariance_by_frame(image, symbol) +
+                              covariance_beside_a_line(part, symbol);
   reading.candidates = part.decoding.candidates;
   reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,12 +17,14 @@
 #include "decoder/reader/part_reading.hpp"
 #include "decoder/reader/read_part.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/reader/shifted_rows.hpp"
 #include "tests/reader/with_book.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
 using tagsmith::detail::test::farthest_apart;
 using tagsmith::detail::test::SeenTag;
+using tagsmith::detail::test::shift_rows;
 using tagsmith::detail::test::with_book;
 
 namespace {
@@ -86,6 +89,27 @@ TEST_CASE("a tag that the border cuts is identified by the digits in sight") {
     // What is out of sight is known less well.
     const Eigen::Index seen = at_left ? 2 : 0, unseen = at_left ? 0 : 2;
     CHECK(part.corner_covariance(unseen, unseen) > part.corner_covariance(seen, seen));
+  }
+}
+
+TEST_CASE("a part is unsure where a shaken camera's rows carry its bars from a straight line") {
+  for (const double turn : {0.0, std::numbers::pi}) {
+    for (const double phase : {0.5, 1.5, 2.5, 3.5, 4.5, 5.5}) {
+      CAPTURE(turn);
+      CAPTURE(phase);
+      SeenTag tag = cut_at_left();
+      tag.view.turn = turn;
+      GrayImage image = tag.image();
+      const auto shake = [&](double y) { return 0.4 * std::sin(y / 20 + phase); };
+      shift_rows(image, shake);
+      const PartReading part = identified_part(image);
+      for (std::size_t i = 0; i < 4; ++i) {
+        CAPTURE(i);
+        const double off = part.corners[i].x - tag.corners()[i].x - shake(tag.corners()[i].y);
+        const auto row = static_cast<Eigen::Index>(2 * i);
+        CHECK(std::abs(off) < 4 * std::sqrt(part.corner_covariance(row, row)));
+      }
+    }
   }
 }
 

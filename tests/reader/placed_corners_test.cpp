@@ -10,15 +10,16 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "tests/reader/drawn_symbol.hpp"
+#include "tests/reader/shifted_rows.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
 using tagsmith::detail::test::DrawnSymbol;
 using tagsmith::detail::test::farthest_apart;
 using tagsmith::detail::test::kDrawnDigits;
+using tagsmith::detail::test::shift_rows;
 
 namespace {
 
@@ -42,26 +43,6 @@ SymbolHypothesis symbol_in(const DrawnSymbol& drawn, double left_off, double rig
 PlacedCorners placed_in(const DrawnSymbol& drawn, const SymbolHypothesis& symbol) {
   const GrayView image = drawn.image.view();
   return placed_by_frame_and_bars(image, symbol, bar_ends_of(image, symbol));
-}
-
-// Shifts each row to the right by a number of pixels, as a camera does that moves while it reads
-// them.
-template <class Shift>
-void shift_rows(GrayImage& image, const Shift& shift) {
-  const GrayImage still = image;
-  const ToneCurve& tone = ToneCurve::srgb();
-  for (int y = 0; y < image.height; ++y) {
-    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width);
-    for (int x = 0; x < image.width; ++x) {
-      const double from = std::clamp(x - shift(y), 0.0, image.width - 1.001);
-      const std::size_t left = row + static_cast<std::size_t>(from);
-      const double share = from - std::floor(from);
-      const double light = (1 - share) * tone.light_of(still.samples[left]) +
-                           share * tone.light_of(still.samples[left + 1]);
-      image.samples[row + static_cast<std::size_t>(x)] =
-          static_cast<std::uint8_t>(std::lround(tone.sample_of(light)));
-    }
-  }
 }
 
 }  // namespace
@@ -194,6 +175,18 @@ TEST_CASE("corners that a shaken camera's rows carry away are not sure of their 
       CHECK(std::abs(off) < 3 * std::sqrt(placed.covariance(row, row)));
     }
   }
+}
+
+TEST_CASE("what shaken rows leave of a side's fit does not hide that the bars are bent") {
+  const auto traces = [](double shaken) {
+    DrawnSymbol drawn(kDrawnDigits, 3);
+    const double turn = std::numbers::pi / drawn.height();
+    shift_rows(drawn.image, [&](double y) { return shaken * std::sin(turn * (y - 30)); });
+    SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.05);
+    for (const std::size_t side : {1U, 3U}) symbol.frame.sides[side].pixel_locking_px = 0.1;
+    return placed_in(drawn, symbol).covariance.trace();
+  };
+  CHECK(traces(0.3) > traces(0) + 4 * 0.1 * 0.1);
 }
 
 TEST_CASE("rows that only lean leave corners as sure as they were") {
