@@ -200,11 +200,12 @@ Result<void> check_options(const NewOptions& options, const PointList& list) {
 Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>& warnings) {
   Result<Diagnosed<PointList>> reading = read_point_list(options.points, options.list);
   if (!reading) return fail(reading);
-  if (!reading->value) return fail(to_string(reading->diagnostics, true));
+  if (!reading->value) return fail(to_string(reading->diagnostics, false));
   warnings = reading->diagnostics;
   PointList& list = *reading->value;
   FindingLog log(options.points);
-  if (const auto doubt = doubt_of_unit(list.points); doubt && !list.unit_is_known) {
+  if (const auto doubt = doubt_of_unit(list.points, list.metres_per_unit);
+      doubt && !list.unit_is_known) {
     const std::string unit =
         list.metres_per_unit == 1
             ? ""

@@ -154,7 +154,8 @@ void check_exchanged(const std::vector<SurveyedPoint>& points, FindingLog& log) 
   }
 }
 
-std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& points) {
+std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& points,
+                                         double metres_per_unit) {
   constexpr double kWidest = 12;
   constexpr double kNarrowest = 0.5;
   constexpr double kWideAndHigh = 7.5;
@@ -163,12 +164,14 @@ std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& point
   const std::optional<double> height = apparent_height(points);
   const bool big = *width > kWideAndHigh && height && *height > kWideAndHigh;
   if (*width >= kNarrowest && *width <= kWidest && !big) return std::nullopt;
+  const double listed = *width / metres_per_unit;
   return fmt::format(
       "the walls lie {} apart{}: say in which unit the list is, --units m ({} m), ft ({:.2f} m), "
       "us-ft or mm ({:.3f} m)",
-      format_number(*width, 2),
-      height ? " and the roof " + format_number(*height, 2) + " above the floor" : "",
-      format_number(*width, 2), *width * 0.3048, *width / 1000);
+      format_number(listed, 2),
+      height ? " and the roof " + format_number(*height / metres_per_unit, 2) + " above the floor"
+             : "",
+      format_number(listed, 2), listed * 0.3048, listed / 1000);
 }
 
 void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fit,

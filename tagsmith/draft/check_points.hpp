@@ -18,8 +18,9 @@ void check_exchanged(const std::vector<SurveyedPoint>& points, FindingLog& log);
 
 // Where numbers read as metres make walls that no drive has: further apart than 12, nearer than
 // 0.5, or both walls and roof 7.5 apart (three metres in feet, which few drives reach in metres).
-// In words, with the remedy; nothing where the numbers may be metres.
-std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& points);
+// In words, of the file's numbers, with the remedy; nothing where they may be metres.
+std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& points,
+                                         double metres_per_unit);
 
 // Logs a warning for each point whose height disagrees with the line through the six nearest of
 // its kind along the drive, by more than eight times the scatter of that kind and 30 mm. Of kinds

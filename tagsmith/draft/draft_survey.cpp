@@ -660,11 +660,21 @@ void check_shape(const SurveyDraft& draft, FindingLog& log) {
     if (points++ == 0) first_line = point.line;
   }
   const double freedom = freedom_of(draft.fit.tunnel.centerline, points);
-  if (is_straight || points == 0 || freedom >= kLeastFreedom) return;
-  log.warning({first_line, 0}, "unchecked-shape",
-              fmt::format("{} points determine a drive of {} {}, and none is left to check it",
-                          points, elements.size(), elements.size() == 1 ? "arc" : "elements"),
-              "is the drive bent so? list more points of the walls, or remove the wrong one");
+  if (!is_straight && points > 0 && freedom < kLeastFreedom) {
+    log.warning({first_line, 0}, "unchecked-shape",
+                fmt::format("{} points determine a drive of {} {}, and none is left to check it",
+                            points, elements.size(), elements.size() == 1 ? "arc" : "elements"),
+                "is the drive bent so? list more points of the walls, or remove the wrong one");
+    return;
+  }
+  for (const std::size_t i : draft.fit.unchecked) {
+    const SurveyedPoint& point = draft.points[i];
+    log.warning({point.line, 0}, "unchecked-shape",
+                fmt::format("the tunnel follows point {} ({}) alone: no other point would show "
+                            "that it is wrong",
+                            point.name.substr(0, 60), to_string(point.kind)),
+                "is the drive so there? measure more points beside it, or remove it");
+  }
 }
 
 std::vector<Eigen::Vector3d> tag_positions(const SurveyDraft& draft) {

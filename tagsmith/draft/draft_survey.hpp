@@ -49,7 +49,8 @@ Result<TagSeries> propose_series(const Tunnel& tunnel, const TagTemplate& tag,
                                  const LayoutWish& wish);
 
 // Logs a warning where a bent shape is fitted to hardly more points across the drive than it needs:
-// an error of one of them becomes a bend then, and shows nowhere.
+// an error of one of them becomes a bend then, and shows nowhere. Elsewhere for each point that the
+// fit follows alone.
 void check_shape(const SurveyDraft& draft, FindingLog& log);
 
 // Logs a warning for proposed plates where no point of the list shows their wall: beyond its first

@@ -151,13 +151,6 @@ class DxfPoints {
           "entities that are no points or lines are left out: " + counted_text(other_entities_),
           "make points or polylines of them");
     }
-    const bool is_flat = std::ranges::all_of(
-        result_.points, [](const RawPoint& point) { return point.in_grid.z() == 0; });
-    if (is_flat && !result_.points.empty()) {
-      log_.warning({}, "flat-drawing",
-                   "all points have the height 0: heights in texts and attributes are not read",
-                   "give points and polylines of the drawing their heights");
-    }
   }
 
  private:

@@ -553,8 +553,28 @@ double heading_sigma_of(const PlanModel& model, const std::vector<PlanModel>& ot
   return std::sqrt(variances.maxCoeff());
 }
 
+// The points whose redundancy number (Baarda) says that the others do not check them.
+std::vector<std::size_t> unchecked(const PlanModel& model, const std::vector<PlanPoint>& points,
+                                   double tolerance) {
+  constexpr double kSlip = 1;  // metres
+  const MatrixXd of_residuals =
+      jacobian_of(model, [&](const PlanModel& at) { return residuals_of(at, points); });
+  MatrixXd normal = gram(of_residuals);
+  normal.diagonal().array() += 1e-12;
+  const MatrixXd spread = solve_symmetric(normal, of_residuals.transpose());
+  const VectorXd followed = (of_residuals.array() * spread.transpose().array()).rowwise().sum();
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double redundancy = 1 - followed[static_cast<Eigen::Index>(i)];
+    if (redundancy * kSlip < tolerance) found.push_back(points[i].index);
+  }
+  return found;
+}
+
 PlanFit seen_along(Centerline line, double width, const std::vector<PlanPoint>& points) {
-  PlanFit fit{std::move(line), width, {}, {}};
+  PlanFit fit;
+  fit.line = std::move(line);
+  fit.width = width;
   for (const PlanPoint& point : points) {
     fit.residuals.push_back(residual_of(fit.line, fit.width, point));
     fit.chainages.push_back(fit.line.locate(point.p).chainage);
@@ -668,6 +688,9 @@ PlanShapes grown(const PlanTask& task, PlanModel model, int most) {
 PlanFit fit_of(const PlanTask& task, const PlanShapes& shapes) {
   PlanFit fit = finished(shapes.shown, task.points);
   fit.heading_sigma = heading_sigma_of(shapes.shown, shapes.others, task.sample, task.tolerance);
+  if (task.sample.size() == task.points.size()) {  // else the others check the sample
+    fit.unchecked = unchecked(shapes.shown, task.points, task.tolerance);
+  }
   return fit;
 }
 

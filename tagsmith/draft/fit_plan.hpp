@@ -28,6 +28,9 @@ struct PlanFit {
   std::vector<double> residuals;  // metres to the right of where the fit has the point
   std::vector<double> chainages;
   double heading_sigma = 0;  // of the line beside the points where it is greatest, radians
+  // Indices of points: a slip of a metre in one of these would leave it within the tolerance,
+  // because the line follows it alone.
+  std::vector<std::size_t> unchecked;
 };
 
 // The fit with the fewest elements, up to `most_elements`, whose residuals are within the tolerance

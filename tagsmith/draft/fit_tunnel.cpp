@@ -766,6 +766,7 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
       plan->fit.residuals.data(), static_cast<Eigen::Index>(plan->fit.residuals.size())));
   fit.rms_up = rms(floor.ups);
   fit.heading_sigma = plan->fit.heading_sigma;
+  fit.unchecked = plan->fit.unchecked;
   return fit;
 }
 

@@ -42,6 +42,7 @@ struct TunnelFit {
   double rms_across = 0;
   double rms_up = 0;
   double heading_sigma = 0;  // of the center line as fitted, where it is greatest, radians
+  std::vector<std::size_t> unchecked;  // points that the center line follows alone (PlanFit)
 };
 
 // Fits the fewest lines and arcs, joined without bends (at most kMostFittedElements), with which

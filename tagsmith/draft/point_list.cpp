@@ -448,6 +448,17 @@ void check_reach(const PointList& list, FindingLog& log) {
                                : "are these millimetres? --units mm, or ft, us-ft, m");
 }
 
+// Logs once that no point has a height, as in plans.
+void check_flat(const std::vector<SurveyedPoint>& points, FindingLog& log) {
+  const bool is_flat =
+      std::ranges::all_of(points, [](const SurveyedPoint& p) { return p.in_grid.z() == 0; });
+  if (!is_flat || points.empty()) return;
+  log.warning({}, "flat-list",
+              "all points have the height 0: heights in texts and attributes of a drawing, or in a "
+              "column that --order skips, are not read",
+              "give the points their heights");
+}
+
 // ---- Files of other kinds.
 
 // Metres of the file's unit.
@@ -578,6 +589,7 @@ Result<Diagnosed<PointList>> read_point_list(const std::filesystem::path& path,
   if (list.points.empty() && !log.has_errors()) {
     log.error({}, "no-points", "the file has no points");
   }
+  check_flat(list.points, log);
   check_reach(list, log);
   check_names(list.points, log);
   check_digits(list, log);

@@ -165,12 +165,40 @@ TEST_CASE("entities in coordinates of their own lie where the drawing shows them
   CHECK(refused.err.find("extrusion direction") != std::string::npos);
 }
 
-TEST_CASE("a drawing without heights is told") {
+TEST_CASE("a list without heights is told") {
   const TemporaryFolder folder;
   const std::string flat = light("CL", {{500, 1000}, {520, 1100}}, 0);
   const ProgramOutput made = draft(folder.path(), drawing(flat), "--width 4 " + kDrawnLayout);
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
-  CHECK(made.err.find("[flat-drawing]") != std::string::npos);
+  CHECK(made.err.find("[flat-list]") != std::string::npos);
+  const TemporaryFolder other;
+  const ProgramOutput table = draft(other.path(), "1,500,1000,0,CL\n2,520,1100,0,CL\n",
+                                    "--order PENZD --width 4 " + kDrawnLayout);
+  REQUIRE_MESSAGE(table.exit_code == 0, table.err);
+  CHECK(table.err.find("[flat-list]") != std::string::npos);
+}
+
+TEST_CASE("a drawing in which nothing is a point of the list says which layers were left out") {
+  const TemporaryFolder folder;
+  const std::string walls = light("WALL_LEFT", {{500, 1000}, {520, 1100}}, 100);
+  const ProgramOutput refused = draft(folder.path(), drawing(walls), "--width 4 " + kDrawnLayout);
+  CHECK(refused.exit_code == 2);
+  CHECK(refused.err.find("left out: WALL_LEFT (1)") != std::string::npos);
+  CHECK(refused.err.find("[no-points]") != std::string::npos);
+}
+
+TEST_CASE("a drawing in metres that says millimetres is asked for its unit in its own numbers") {
+  const TemporaryFolder folder;
+  std::string in_mm = drawing(light("WL", {{498, 1000}, {498, 1100}}, 100) +
+                              light("WR", {{502, 1000}, {502, 1100}}, 100) +
+                              light("FL", {{500, 1000}, {500, 1100}}, 99));
+  const std::string metres = group(9, "$INSUNITS") + group(70, "6");
+  in_mm.replace(in_mm.find(metres), metres.size(), group(9, "$INSUNITS") + group(70, "4"));
+  const ProgramOutput refused = draft(folder.path(), in_mm, kDrawnLayout);
+  CHECK(refused.exit_code == 2);
+  CHECK_MESSAGE(refused.err.find("the walls lie 4 apart: say in which unit the list is, --units m "
+                                 "(4 m), ft (1.22 m)") != std::string::npos,
+                refused.err);
 }
 
 TEST_CASE("points that only other records of a field book describe are named") {

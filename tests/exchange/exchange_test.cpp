@@ -751,6 +751,25 @@ TEST_CASE("a bend that hardly more points than it needs show is warned of") {
   CHECK(said(straight).find("unchecked-shape") == std::string::npos);
 }
 
+TEST_CASE("a point that the fitted tunnel follows alone is named") {
+  const std::string walls =
+      "1,498.553,1200.388,313.2,WL\n2,499.847,1205.218,313.2,WL\n3,501.141,1210.047,313.2,WL\n"
+      "4,501.451,1199.612,313.2,WR\n5,502.745,1204.441,313.2,WR\n6,504.039,1209.271,313.2,WR\n"
+      "7,500.259,1200.966,312.0,FL\n8,502.330,1208.693,312.0,FL\n9,502.098,1202.026,313.2,TR\n";
+  const auto said = [&](const std::string& left_tag) {
+    const TemporaryFolder folder;
+    const ProgramOutput made =
+        draft(folder.path(), walls + left_tag, "--order PENZD --tunnel-height 2.8");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    return made.err;
+  };
+  CHECK(said("10,498.941,1201.837,313.2,TL\n").find("unchecked-shape") == std::string::npos);
+  // Ten metres too far north: an arc at the end of the drive leads to it.
+  CHECK(said("10,498.941,1211.837,313.2,TL\n")
+            .find("points.csv:10: warning: the tunnel follows point 10 (left tag) alone") !=
+        std::string::npos);
+}
+
 TEST_CASE("a slip of 15 mm across is named where the others keep to 1 mm") {
   for (const std::size_t index : {4U, 30U, 65U}) {  // walls, a tag
     CAPTURE(index);
