@@ -423,7 +423,8 @@ Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
   constexpr std::size_t kLongestLine = 64U << 20U;  // longer than any of `verify`
   std::ifstream stream(path);
   if (!stream || std::filesystem::is_directory(path)) {
-    return fail(path.string() + ": cannot be read, expected the output of `verify --json`");
+    const Result<std::string> why = read_file(path, 0);
+    return why ? fail(path.string() + ": cannot be read") : fail(why);
   }
   VerifyLineCounts counts;
   while (const std::optional<std::string> line = read_line(stream, kLongestLine)) {

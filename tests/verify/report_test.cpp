@@ -140,6 +140,10 @@ TEST_CASE("a file that is no output of verify is refused, a line cut short is no
   CHECK(refused.out.empty());
   CHECK_MESSAGE(refused.err.find("none of its 2 lines is of `verify --json`") != std::string::npos,
                 refused.err);
+  const ProgramOutput absent = run_tagsmith("report " + kSurvey + " " + page + "l");
+  CHECK(absent.exit_code == 2);
+  CHECK_MESSAGE(absent.err.find("page.htmll: no such file, did you mean") != std::string::npos,
+                absent.err);
   const std::string cut = (folder.path() / "cut.jsonl").string();
   std::ofstream(cut) << R"({"file":"a.jpg","ta)";
   const ProgramOutput nothing = run_tagsmith("report " + kSurvey + " " + cut);
