@@ -134,9 +134,11 @@ struct SymbolInPart {
 // in sight. Where they do not quite, that side may be the edge of something along it, and is as
 // unsure.
 std::optional<SymbolInPart> believed_in(const CutView& view, const RefinedFrame& frame) {
-  const auto quick = quick_hypothesis(view.image, frame, view.options);
-  if (!quick || !may_be_symbol(*quick)) return std::nullopt;
-  auto symbol = believed_hypothesis(view.image, frame, view.options, true);
+  auto symbol = quick_hypothesis(view.image, frame, view.options);
+  if (!symbol || !may_be_symbol(*symbol)) return std::nullopt;
+  if (objection_to_quick(view.image, *symbol, view.options)) {
+    symbol = believed_hypothesis(view.image, frame, view.options, false);
+  }
   if (!symbol || !symbol->frame.shown[1] || !symbol->frame.shown[3]) return std::nullopt;
   SymbolInPart part{*std::move(symbol)};
   RefinedFrame& seen = part.symbol.frame;

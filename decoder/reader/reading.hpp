@@ -72,7 +72,8 @@ struct Rejection {
   double limit = 0;
   FrameFault fault = FrameFault::not_framed;
   std::optional<SymbolHypothesis> symbol{};  // that was refused, as far as it was seen
-  std::string_view proposer{};               // whose place led to it; empty by the paper's method
+  // Whose place led to it; empty by the paper's method and of what was passed over.
+  std::string_view proposer{};
   std::string step{};
 };
 

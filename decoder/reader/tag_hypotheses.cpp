@@ -44,8 +44,7 @@ bool TagHypotheses::any_reading(const Condition& condition) const {
 // If two plates in one place bear different digits, nothing shows which of them is another
 // survey's.
 TagHypothesis& TagHypotheses::keep(TagHypothesis hypothesis) {
-  if (auto* tag = std::get_if<Reading>(&hypothesis.outcome)) tag->proposer = proposer_;
-  if (auto* refused = std::get_if<Rejection>(&hypothesis.outcome)) refused->proposer = proposer_;
+  hypothesis.proposer = proposer_;
   for (TagHypothesis& other : all_) {
     const Reading* now = hypothesis.reading();
     const Reading* before = other.reading();
@@ -55,10 +54,7 @@ TagHypothesis& TagHypotheses::keep(TagHypothesis hypothesis) {
       continue;
     }
     for (TagHypothesis* read : {&other, &hypothesis}) {
-      const std::string_view proposer = read->reading()->proposer;
-      Rejection refused = rejection_of(*read->reading()->symbol, {RejectionReason::doubtful});
-      refused.proposer = proposer;
-      read->outcome = std::move(refused);
+      read->outcome = rejection_of(*read->reading()->symbol, {RejectionReason::doubtful});
     }
   }
   return all_.emplace_back(std::move(hypothesis));
@@ -155,7 +151,9 @@ bool TagHypotheses::has_read(const ExpectedTag& expected) const {
 std::vector<Reading> TagHypotheses::tags() const {
   std::vector<Reading> tags;
   for (const TagHypothesis& hypothesis : all_) {
-    if (const Reading* tag = hypothesis.reading()) tags.push_back(*tag);
+    if (hypothesis.reading() == nullptr) continue;
+    tags.push_back(*hypothesis.reading());
+    tags.back().proposer = hypothesis.proposer;
   }
   return tags;
 }
@@ -177,6 +175,7 @@ ReadResult TagHypotheses::result(bool tell_passed_over) const {
       continue;
     }
     result.rejected.push_back(*rejection);
+    result.rejected.back().proposer = hypothesis.proposer;
   }
   return result;
 }

@@ -32,6 +32,7 @@ struct TagHypothesis {
   };
 
   Source source = Source::outline;
+  std::string_view proposer{};          // whose place led to it
   Quad rough{};                         // the frame before its fine fit
   std::optional<RefinedFrame> frame{};  // as it was fitted
   std::optional<Sharpening> halos{};    // undone in the picture that it was looked at in
