@@ -336,15 +336,10 @@ PixelPoint main_gradient(const GrayView& image, const Quad& quad) {
       tiles_around(quad | std::views::transform(&PixelPoint::x), image.width);
   const auto [top, height] =
       tiles_around(quad | std::views::transform(&PixelPoint::y), image.height);
-  GrayView part = image;
-  part.data = image.row(top) + left;
-  part.width = width;
-  part.height = height;
+  const PixelBox box{left, top, left + width, top + height};
   Quad there = quad;
-  for (PixelPoint& corner : there) {
-    corner = corner - PixelPoint{static_cast<double>(left), static_cast<double>(top)};
-  }
-  const TextureGrid texture = texture_of(part);
+  for (PixelPoint& corner : there) corner = corner - box.first();
+  const TextureGrid texture = texture_of(part_of(image, box));
   double cos2 = 0, sin2 = 0;
   for (int row = 0; row < texture.rows; ++row) {
     const auto [begin, end] = tiles_in_row(there, row, texture.columns);

@@ -16,6 +16,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
+#include "decoder/image/transform.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
@@ -331,48 +332,25 @@ void add_halo_doubt(const Quad& before, RefinedFrame& frame) {
   }
 }
 
-UnsharpenedImage::UnsharpenedImage(const GrayView& image)
-    : sharp_(image), image_{image.width, image.height, {}, image.is_negative} {
-  image_.samples.reserve(static_cast<std::size_t>(image.width) *
-                         static_cast<std::size_t>(image.height));
-  for (int y = 0; y < image.height; ++y) {
-    image_.samples.insert(image_.samples.end(), image.row(y), image.row(y) + image.width);
-  }
-}
+UnsharpenedImage::UnsharpenedImage(const GrayView& image) : sharp_(image), image_(copy_of(image)) {}
 
 namespace {
 
-// A part of a picture: from the first pixel up to before the end.
-struct Area {
-  int left, top, right, bottom;
-  int width() const { return right - left; }
-  int height() const { return bottom - top; }
-};
-
 // The part of an image around a quadrilateral that its feature frame and halos cover.
-Area around(const GrayView& image, const Quad& quad) {
-  double left = image.width, right = 0, top = image.height, bottom = 0;
-  for (const PixelPoint& corner : quad) {
-    left = std::min(left, corner.x), right = std::max(right, corner.x);
-    top = std::min(top, corner.y), bottom = std::max(bottom, corner.y);
-  }
-  const double margin = kSharpening.beyond_px + 0.1 * std::max(right - left, bottom - top);
-  const auto pixel = [](double at, int size) {
-    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(size)));
-  };
-  return {pixel(std::floor(left - margin), image.width),
-          pixel(std::floor(top - margin), image.height),
-          pixel(std::ceil(right + margin), image.width),
-          pixel(std::ceil(bottom + margin), image.height)};
+PixelBox around(const GrayView& image, const Quad& quad) {
+  const auto [left, right] = std::ranges::minmax(quad, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(quad, {}, &PixelPoint::y);
+  const double size = std::max(right.x - left.x, bottom.y - top.y);
+  return box_around(quad, kSharpening.beyond_px + 0.1 * size, image);
 }
 
 // Grey levels; a column of the plane is a row of the picture, whose samples are neighbours.
 using Plane = Eigen::ArrayXXf;
 
-Plane plane_of(const GrayView& image, const Area& area) {
-  Plane plane(area.width(), area.height());
+Plane plane_of(const GrayView& image) {
+  Plane plane(image.width, image.height);
   for (Eigen::Index y = 0; y < plane.cols(); ++y) {
-    const std::uint8_t* samples = image.row(area.top + static_cast<int>(y)) + area.left;
+    const std::uint8_t* samples = image.row(static_cast<int>(y));
     for (Eigen::Index x = 0; x < plane.rows(); ++x) plane(x, y) = samples[x];
   }
   return plane;
@@ -465,9 +443,9 @@ class SmoothedRows {
 // With y = x + a (x - G x), the picture x is the limit of x <- (y + a G x) / (1 + a).
 void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
   constexpr double kAtRest = 0.01;
-  const Area area = around(sharp_, quad);
+  const PixelBox area = around(sharp_, quad);
   if (area.width() <= 0 || area.height() <= 0) return;
-  const Plane sharp = plane_of(sharp_, area);
+  const Plane sharp = plane_of(part_of(sharp_, area));
   const std::vector<float> weights = gaussian(sharpening.sigma_px);
   const double kept = 1 / (1 + sharpening.amount);
   const double fed_back = sharpening.amount * kept;
@@ -493,7 +471,7 @@ void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
 }
 
 void UnsharpenedImage::restore(const Quad& quad) {
-  const Area area = around(sharp_, quad);
+  const PixelBox area = around(sharp_, quad);
   for (int y = area.top; y < area.bottom; ++y) {
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * image_.width + area.left;
     std::copy_n(sharp_.row(y) + area.left, std::max(0, area.width()),

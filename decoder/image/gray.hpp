@@ -53,6 +53,36 @@ inline double cross(PixelPoint a, PixelPoint b) { return a.x * b.y - a.y * b.x; 
 inline double length(PixelPoint a) { return std::sqrt(dot(a, a)); }
 inline double distance(PixelPoint a, PixelPoint b) { return length(b - a); }
 
+// ---- Parts of an image.
+
+// Pixels from the upper left one up to before a lower right one.
+struct PixelBox {
+  int left, top, right, bottom;
+
+  int width() const { return right - left; }
+  int height() const { return bottom - top; }
+  PixelPoint first() const { return {static_cast<double>(left), static_cast<double>(top)}; }
+};
+
+// The pixels of an image around points, with so many more on each side, as far as the image has
+// them: none where all points are beyond one of its borders. Of points that are no number, any.
+template <class Points>
+PixelBox box_around(const Points& points, double margin, const GrayView& image) {
+  const auto [left, right] = std::ranges::minmax(points, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(points, {}, &PixelPoint::y);
+  const auto pixel = [](double at, int size) {  // 0 for what is no number
+    return at > 0 ? static_cast<int>(std::min(at, static_cast<double>(size))) : 0;
+  };
+  return {pixel(left.x - margin, image.width), pixel(top.y - margin, image.height),
+          pixel(std::ceil(right.x + margin) + 1, image.width),
+          pixel(std::ceil(bottom.y + margin) + 1, image.height)};
+}
+
+inline GrayView part_of(const GrayView& image, const PixelBox& box) {
+  return {image.row(box.top) + box.left, box.width(), box.height(), image.stride,
+          image.is_negative};
+}
+
 // ---- Grey levels at a position.
 
 // Whether a place has pixels on all sides.

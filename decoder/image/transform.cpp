@@ -57,6 +57,18 @@ GrayImage turn_upright(const GrayView& stored, int orientation) {
   return shown;
 }
 
+// ---- Copies.
+
+GrayImage copy_of(const GrayView& image) {
+  GrayImage copy{image.width, image.height, {}, image.is_negative};
+  copy.samples.reserve(static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    copy.samples.insert(copy.samples.end(), image.row(y), image.row(y) + image.width);
+  }
+  return copy;
+}
+
 // ---- Smaller pictures.
 
 namespace {

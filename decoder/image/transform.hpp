@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole pictures turned, reduced or with black and white exchanged.
+// Whole pictures copied, turned, reduced or with black and white exchanged.
 #pragma once
 
 #include "decoder/image/gray.hpp"
@@ -30,6 +30,11 @@ struct Upright {
 
 // The picture, or a part of it, as it must be shown.
 GrayImage turn_upright(const GrayView& stored, int orientation);
+
+// ---- Copies.
+
+// The image, or a part of one, with samples of its own.
+GrayImage copy_of(const GrayView& image);
 
 // ---- Smaller pictures.
 

@@ -14,6 +14,7 @@
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
+#include "decoder/image/field_displacement.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/stroke_edges.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -394,8 +395,8 @@ PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& 
 
 HeightShare band_of(int band) { return {0.25 * band, 0.25 * (band + 1)}; }
 
-CornerCovariance covariance_beside_a_line(const SeenBands& bands, double middle,
-                                          const SymbolHypothesis& symbol) {
+CornerCovariance covariance_of_shifted_rows(const GrayView& image, const SeenBands& bands,
+                                            double middle, const SymbolHypothesis& symbol) {
   const std::array<double, 2> beside = beside_a_line(bands, middle, symbol);
   Eigen::Matrix<double, 8, 2> moved = Eigen::Matrix<double, 8, 2>::Zero();
   for (const Eigen::Index i : {0, 1}) {
@@ -404,7 +405,11 @@ CornerCovariance covariance_beside_a_line(const SeenBands& bands, double middle,
     moved.block<4, 1>(4 * i, i) << along.x, along.y, along.x, along.y;
     moved.col(i) *= beside[end];
   }
-  return moved * moved.transpose();
+  CornerCovariance covariance = moved * moved.transpose();
+  const PixelBox around = box_around(symbol.frame.corners, kMostFieldDisplacement, image);
+  const double by_fields = field_displacement(part_of(image, around)) / 2;
+  covariance.diagonal().array() += by_fields * by_fields;  // the rows do not show it across them
+  return covariance;
 }
 
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol) {
@@ -422,7 +427,7 @@ PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypoth
   const StrokeExcesses excesses = stroke_excesses(image, symbol);
   PlacedCorners placed =
       moved_to_bars(symbol, seen_by_bars(symbol, bands, ends, excesses), excesses);
-  placed.covariance += covariance_beside_a_line(bands, kModuleCount / 2.0, symbol);
+  placed.covariance += covariance_of_shifted_rows(image, bands, kModuleCount / 2.0, symbol);
   return placed;
 }
 

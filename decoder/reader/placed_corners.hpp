@@ -23,11 +23,13 @@ struct PlacedCorners {
 using SeenBands = std::array<SeenPlaces, 4>;
 HeightShare band_of(int band);
 
-// What is unsure about the corners, pixels^2, where the bars of several heights lie on no straight
-// line at their middle (a module): the upper and the lower corners along the bars, independently of
-// each other. Zero where noise explains it.
-CornerCovariance covariance_beside_a_line(const SeenBands& bands, double middle,
-                                          const SymbolHypothesis& symbol);
+// What is unsure about the corners, pixels^2, where the image's rows are displaced relative to each
+// other. A camera that shakes while it reads its rows one after another: the bars of several
+// heights lie on no straight line at their middle (a module), and the upper and the lower corners
+// are unsure along the bars, independently of each other. An interlaced one: each corner may belong
+// to either field. Zero where noise explains it.
+CornerCovariance covariance_of_shifted_rows(const GrayView& image, const SeenBands& bands,
+                                            double middle, const SymbolHypothesis& symbol);
 
 // Where a symbol's bars end, in its frame as that was fitted.
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol);
@@ -41,7 +43,7 @@ CornerCovariance covariance_by_frame(const GrayView& image, const SymbolHypothes
 // the opposite direction to the other half), and from where the bars end (`bar_ends_of`).
 // Differences between these beyond the expected are added to the covariance; where they contradict
 // the frame, its corners stay. A side whose stroke differs from the others (stroke_edges.hpp) is
-// unsure, and so are corners where the bars of several heights lie on no straight line. Why:
+// unsure, and so are corners where rows of the image are displaced relative to each other. Why:
 // docs/decisions/0007-corner-covariance.md.
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
                                        const BothEnds& ends);

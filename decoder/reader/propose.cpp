@@ -29,20 +29,12 @@ std::size_t max_changes(const PyramidLevel& level) {
 
 // The part of the image around an expected tag.
 PyramidLevel surroundings(const GrayView& image, const ExpectedTag& expected) {
-  const FrameCorners& c = expected.corners;
-  const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x, c[3].x});
-  const auto [top, bottom] = std::minmax({c[0].y, c[1].y, c[2].y, c[3].y});
-  const double margin = expected.uncertainty_px + 16 + 0.1 * std::max(right - left, bottom - top);
-  const auto pixel = [](double at, int end) {  // 0 for what is no number
-    return at > 0 ? static_cast<int>(std::min(at, static_cast<double>(end))) : 0;
-  };
-  const int first_x = pixel(left - margin, image.width);
-  const int first_y = pixel(top - margin, image.height);
-  PyramidLevel part{image, 1, 20, {static_cast<double>(first_x), static_cast<double>(first_y)}};
-  part.image.data = image.row(first_y) + first_x;
-  part.image.width = pixel(right + margin, image.width) - first_x;
-  part.image.height = pixel(bottom + margin, image.height) - first_y;
-  return part;
+  const auto [left, right] = std::ranges::minmax(expected.corners, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(expected.corners, {}, &PixelPoint::y);
+  const double size = std::max(right.x - left.x, bottom.y - top.y);
+  const PixelBox box =
+      box_around(expected.corners, expected.uncertainty_px + 16 + 0.1 * size, image);
+  return {part_of(image, box), 1, 20, box.first()};
 }
 
 // How far off a side of the frame may be for it to be settled in a level, pixels of the full image.

@@ -36,10 +36,6 @@ std::size_t row_count(double height_px, RowHeight row_height) {
 }
 
 // The pixels that the rows may touch, bowed sides included.
-struct PixelBox {
-  int left, right, top, bottom;
-};
-
 PixelBox box_of(const SymbolRows& rows, const GrayView& image) {
   const double left = rows.width_share_of(0);
   const double right = rows.width_share_of(static_cast<double>(rows.bins));
@@ -49,13 +45,7 @@ PixelBox box_of(const SymbolRows& rows, const GrayView& image) {
       outline.push_back(rows.image_from_frame(u, v));
     }
   }
-  const auto [least_x, most_x] = std::ranges::minmax(outline, {}, &PixelPoint::x);
-  const auto [least_y, most_y] = std::ranges::minmax(outline, {}, &PixelPoint::y);
-  const auto pixel = [](double at, int size) {
-    return static_cast<int>(std::clamp(at, 0.0, size - 1.0));
-  };
-  return {pixel(least_x.x, image.width), pixel(std::ceil(most_x.x), image.width),
-          pixel(least_y.y, image.height), pixel(std::ceil(most_y.y), image.height)};
+  return box_around(outline, 0, image);
 }
 
 // Where pixels of an image fall among the rows: an affine map of the unit square.
@@ -128,13 +118,13 @@ void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
   const PixelBox box = box_of(rows, image);
   const PixelSteps steps = pixel_steps(rows, corners);
   const CellPlaces places(rows);
-  const auto width = static_cast<std::size_t>((box.right - box.left) / steps.x) + 1;
+  const auto width = static_cast<std::size_t>((box.width() + steps.x - 1) / steps.x);
   std::vector<float> u(width), v(width);
   std::vector<std::int32_t> cells(width);
   float* const sum_of_light = rows.light.data();
   float* const sum_of_places = rows.place.data();
   float* const count = rows.count.data();
-  for (int y = box.top; y <= box.bottom; y += steps.y) {
+  for (int y = box.top; y < box.bottom; y += steps.y) {
     const std::uint8_t* sample = image.row(y) + box.left;
     places_in_unit(places.frame_from_image, box.left, steps.x, y, u, v);
     if (rows.image_from_frame.bends()) {

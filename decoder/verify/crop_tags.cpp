@@ -13,18 +13,9 @@ std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& 
   const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
   const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
   const double margin = 0.5 * std::max(right.x - left.x, bottom.y - top.y);
-  const auto within = [](double value, int size) {
-    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
-  };
-  const int x0 = within(left.x - margin, image.width);
-  const int x1 = within(right.x + margin, image.width);
-  const int y0 = within(top.y - margin, image.height);
-  const int y1 = within(bottom.y + margin, image.height);
-  if (x1 - x0 < 2 || y1 - y0 < 2) return std::nullopt;
-  GrayImage crop{x1 - x0, y1 - y0, {}};
-  for (int y = y0; y < y1; ++y) {
-    crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
-  }
+  const PixelBox box = box_around(corners, margin, image);
+  if (box.width() < 2 || box.height() < 2) return std::nullopt;
+  GrayImage crop = copy_of(part_of(image, box));
   if (image.is_negative) crop = exchange_black_and_white(crop.view());  // shown as it is
   while (crop.width > kMostCrop) crop = half_size(crop.view());
   return orientation == 1 ? std::move(crop) : turn_upright(crop.view(), orientation);

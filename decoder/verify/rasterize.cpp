@@ -344,12 +344,8 @@ Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
     return fail(fmt::format("{}: has {} x {} pixels, expected more at {} dpi", path.string(),
                             whole->width, whole->height, format_number(dots_per_inch, 2)));
   }
-  GrayImage part{region.width, region.height, {}};
-  for (int y = 0; y < region.height; ++y) {
-    const std::uint8_t* row = whole->view().row(region.y + y) + region.x;
-    part.samples.insert(part.samples.end(), row, row + region.width);
-  }
-  return part;
+  const PixelBox box{region.x, region.y, region.x + region.width, region.y + region.height};
+  return copy_of(part_of(whole->view(), box));
 }
 
 void paste(const GrayImage& piece, GrayImage& image, int x, int y) {

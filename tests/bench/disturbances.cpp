@@ -397,6 +397,14 @@ void vibration(Scene& scene, cv::RNG& draws) {
   compress(scene, 92);
 }
 
+// The second field shows the plate up to 4 pixels aside.
+void interlacing(Scene& scene, cv::RNG& draws) {
+  const double displacement = draws.uniform(0.5, 4.0);
+  scene.picture = shifted_rows(
+      scene.picture, [=](int row) { return row % 2 == 0 ? displacement / 2 : -displacement / 2; });
+  compress(scene, 92);
+}
+
 void uneven_columns(Scene& scene, cv::RNG& draws) {
   cv::Mat gains(1, scene.picture.cols, CV_32F), samples;
   draws.fill(gains, cv::RNG::NORMAL, 1, 0.04);
@@ -491,6 +499,7 @@ constexpr Disturbance kDisturbances[] = {
     {"defocus", "a disc of 2 pixels' radius", defocus},
     {"motion", "5 pixels along a diagonal", motion},
     {"vibration", "rows shifted by up to 1.2 pixels", vibration},
+    {"interlacing", "two fields 0.5 to 4 pixels apart", interlacing},
     {"uneven_columns", "gains of columns differ by 4 %", uneven_columns},
     {"local_contrast", "adaptive histogram equalization", local_contrast},
     {"tone_mapping", "light divided by the light around to the power 0.6", tone_mapping},

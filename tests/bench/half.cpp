@@ -28,6 +28,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/image/transform.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/reader/reader.hpp"
@@ -132,10 +133,7 @@ GrayImage with_post(const GrayView& image, const FrameCorners& corners, const be
   const auto uniform = [&](double from, double to) {
     return std::uniform_real_distribution(from, to)(random);
   };
-  GrayImage result{image.width, image.height, {}};
-  for (int y = 0; y < image.height; ++y) {
-    result.samples.insert(result.samples.end(), image.row(y), image.row(y) + image.width);
-  }
+  GrayImage result = copy_of(image);
   const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
   const bool keeps_left = crop.first == 0;
   const double edge = keeps_left ? crop.width : crop.first;

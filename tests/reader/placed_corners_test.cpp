@@ -189,6 +189,20 @@ TEST_CASE("what shaken rows leave of a side's fit does not hide that the bars ar
   CHECK(traces(0.3) > traces(0) + 4 * 0.1 * 0.1);
 }
 
+TEST_CASE("corners in two fields of a picture are as unsure as these are apart") {
+  const auto sigma = [](double apart) {
+    DrawnSymbol drawn(kDrawnDigits, 3);
+    for (const double blurred : {0.5, -0.5}) shift_rows(drawn.image, [&](int) { return blurred; });
+    shift_rows(drawn.image, [&](int y) { return y % 2 == 0 ? apart / 2 : -apart / 2; });
+    return placed_in(drawn, symbol_in(drawn, 0, 0, 0.02)).covariance.diagonal().cwiseSqrt().eval();
+  };
+  CHECK(sigma(0).maxCoeff() < 0.1);
+  for (const double apart : {0.8, -2.0}) {
+    CAPTURE(apart);
+    CHECK(sigma(apart).minCoeff() > 0.4 * std::abs(apart));
+  }
+}
+
 TEST_CASE("rows that only lean leave corners as sure as they were") {
   const DrawnSymbol drawn(kDrawnDigits, 3);
   const double still = placed_in(drawn, symbol_in(drawn, 0, 0, 0.1)).covariance.trace();

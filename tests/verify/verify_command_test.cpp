@@ -70,11 +70,7 @@ void for_plate(const json& corners, GrayImage& image, const Change& change) {
 }
 
 GrayImage columns_of(const GrayView& image, int first, int end) {
-  GrayImage part{end - first, image.height, {}};
-  for (int y = 0; y < image.height; ++y) {
-    part.samples.insert(part.samples.end(), image.row(y) + first, image.row(y) + end);
-  }
-  return part;
+  return copy_of(part_of(image, {first, 0, end, image.height}));
 }
 
 }  // namespace
