@@ -319,15 +319,16 @@ CalibrationAssessment assess_calibration(const CameraCalibration& calibration,
   result.focal_sigma = focal_sigma(calibration);
   const Case c{calibration, views, boards, result.grid, result.focal_sigma};
   Findings& findings = result.findings;
+  // Contradictions first: they make rays uncertain, too, where more photos would not help.
+  find_bad_photos(c, findings);
+  find_differing(c, findings);
+  find_left_out(c, findings);
+  find_large_residuals(c, findings);
   find_focal(c, findings);
   find_rays(c, findings);
   find_uncovered(c, findings);
   find_too_few(c, findings);
   find_frontal(c, findings);
-  find_bad_photos(c, findings);
-  find_differing(c, findings);
-  find_left_out(c, findings);
-  find_large_residuals(c, findings);
   for (std::size_t b = 0; b < boards.size(); ++b) {
     find_bow(c, b, findings);
     find_stretch(c, b, findings);

@@ -213,7 +213,10 @@ TEST_CASE("photos that each have a focal length of their own make no camera") {
     const Pose pose = test::camera_from_board(camera, board, test::varied_stance(camera, i, draws));
     views.push_back(test::seen_board(camera, board, pose, draws));
   }
-  CHECK(assessed(views, board).assessment.trust == CalibrationTrust::refused);
+  const CalibrationAssessment assessment = assessed(views, board).assessment;
+  REQUIRE(assessment.trust == CalibrationTrust::refused);
+  // Not first that rays are uncertain, where more photos would not help.
+  CHECK(assessment.findings.front().issue == CalibrationIssue::photo_zoomed);
 }
 
 TEST_CASE("a photo with another zoom is named") {
