@@ -327,9 +327,7 @@ CameraCovariance covariance_of(const CalibrationPrecision& precision, const Came
 }
 
 double tilt_of(const Pose& camera_from_middle) {
-  const double cosine =
-      camera_from_middle.rotation.col(2).dot(camera_from_middle.translation.normalized());
-  return std::acos(std::clamp(cosine, -1.0, 1.0));
+  return std::acos(std::clamp(camera_from_middle.rotation(2, 2), -1.0, 1.0));
 }
 
 void add_sightings(CameraCalibration& result, const CalibrationProblem& problem,

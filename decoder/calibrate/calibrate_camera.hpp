@@ -49,8 +49,10 @@ struct CalibratedSighting {
   double edge_px = 0;
   std::size_t tags_used = 0;
   double chi_square = 0;  // of the tags used, by the covariances that the reader stated
-  double tilt = 0;        // radians between the board's normal and the line of sight to its middle
-  OwnCamera own_camera;   // its sigma and chi-square by the residuals' size (sigma_factor)
+  // Radians between the board's normal and the camera's axis: a board parallel to the picture tells
+  // no focal length, wherever in the picture it is.
+  double tilt = 0;
+  OwnCamera own_camera;  // its sigma and chi-square by the residuals' size (sigma_factor)
 };
 
 // The residuals of one tag.

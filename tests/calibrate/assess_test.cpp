@@ -126,13 +126,41 @@ TEST_CASE("boards seen from the front alone do not tell the focal length") {
   CHECK(result.find(CalibrationIssue::focal_unknown)->measured > 0.01);
 }
 
-TEST_CASE("two photos are never enough") {
+TEST_CASE("a board nearly parallel to the picture is not tilted, wherever in the picture it is") {
   const Board board = test::plate_board();
-  Draws draws(3);
-  const Assessed result = assessed(test::seen_boards(test::kWideCamera, board, 2, draws), board);
-  CHECK(result.assessment.trust == CalibrationTrust::refused);
-  REQUIRE(result.find(CalibrationIssue::too_few_photos) != nullptr);
-  CHECK(result.find(CalibrationIssue::too_few_photos)->measured == 2);
+  const Camera camera{1280, 960, 800, 800, 645.2, 473.1};
+  Draws draws(2);
+  std::vector<BoardView> views;
+  for (std::size_t i = 0; i < 12; ++i) {
+    const double across = i % 2 == 0 ? -0.7 : 0.1, down = i % 3 == 0 ? -0.5 : 0.1;
+    Pose pose{Eigen::Matrix3d::Identity(), {across, down, 0.9}};
+    pose.rotation = Eigen::AngleAxisd(
+        radians(3), i % 2 == 0 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY());
+    views.push_back(test::seen_board(camera, board, pose, draws));
+  }
+  const Assessed result = assessed(views, board);
+  const CalibrationFinding* found = result.find(CalibrationIssue::all_frontal);
+  REQUIRE(found != nullptr);
+  CHECK(found->measured < radians(5));
+}
+
+TEST_CASE("few photos are refused or weak, however well they fit") {
+  const Board board = test::plate_board();
+  for (const auto& [count, trust] :
+       {std::pair<std::size_t, CalibrationTrust>{2, CalibrationTrust::refused},
+        {5, CalibrationTrust::refused},
+        {6, CalibrationTrust::weak},
+        {9, CalibrationTrust::weak}}) {
+    CAPTURE(count);
+    Draws draws(3);
+    const Assessed result =
+        assessed(test::seen_boards(test::kWideCamera, board, count, draws), board);
+    CHECK(result.assessment.trust == trust);
+    const CalibrationFinding* found = result.find(CalibrationIssue::too_few_photos);
+    REQUIRE(found != nullptr);
+    CHECK(found->trust == trust);
+    CHECK(found->measured == count);
+  }
 }
 
 TEST_CASE("a corner of the picture where no board was is named when its rays are not known") {
@@ -185,7 +213,10 @@ TEST_CASE("photos that each have a focal length of their own make no camera") {
     const Pose pose = test::camera_from_board(camera, board, test::varied_stance(camera, i, draws));
     views.push_back(test::seen_board(camera, board, pose, draws));
   }
-  CHECK(assessed(views, board).assessment.trust == CalibrationTrust::refused);
+  const CalibrationAssessment assessment = assessed(views, board).assessment;
+  REQUIRE(assessment.trust == CalibrationTrust::refused);
+  // Not first that rays are uncertain, where more photos would not help.
+  CHECK(assessment.findings.front().issue == CalibrationIssue::photo_zoomed);
 }
 
 TEST_CASE("a photo with another zoom is named") {
@@ -222,6 +253,21 @@ TEST_CASE("a photo in which something moved is named") {
   REQUIRE(found != nullptr);
   CHECK(found->view == std::size_t{3});
   check_honest(result, test::kWideCamera);
+}
+
+TEST_CASE("a photo that is left out is said to contradict, not by how many times it does") {
+  const Board board = test::plate_board();
+  Draws draws(6);
+  auto views = test::seen_boards(test::kWideCamera, board, 15, draws);
+  for (std::size_t i = 0; i < views[3].tags.size(); ++i) {
+    const double way = i % 2 == 0 ? 3 : -3;
+    views[3].tags[i].pixels.array() += way;
+  }
+  const Assessed result = assessed(views, board);
+  const CalibrationFinding* found = result.find(CalibrationIssue::photo_contradicts);
+  REQUIRE(found != nullptr);
+  CHECK(found->message.find("left out") != std::string::npos);
+  CHECK(found->message.find("times") == std::string::npos);
 }
 
 TEST_CASE("a bent board and one of another shape are named") {
