@@ -193,7 +193,17 @@ std::string plan_heading(const PlannedDrive& drive) {
 }
 
 std::vector<std::string> plan_assumptions(const PlannedDrive& drive) {
-  return assumptions(std::span(&drive.survey, 1), drive.rig, drive.plan.options.speed);
+  std::vector<std::string> all =
+      assumptions(std::span(&drive.survey, 1), drive.rig, drive.plan.options.speed);
+  std::vector<std::string> unstated;
+  for (const RigCamera& camera : drive.rig.cameras) {
+    if (!camera.blur_px) unstated.push_back(camera.name);
+  }
+  if (!unstated.empty()) {
+    all.push_back(fmt::format("rig {} states no blur_px of camera {}: {} assumed", drive.rig.name,
+                              fmt::join(unstated, ", "), format_number(kUsualBlurPx)));
+  }
+  return all;
 }
 
 std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive) {

@@ -18,8 +18,11 @@
 
 namespace tagsmith::detail {
 
-// Blur of a camera whose rig does not state it: the standard deviation of the simulation's lens.
-inline constexpr double kUsualBlurPx = 0.7;
+// Blur of a camera whose rig does not state it, a standard deviation. Of tags through the chain
+// `mild` of `simulate --camera-chain` (a phone's or webcam's denoising, sharpening and compression)
+// 99 % are read from as many pixels a module on as of tags with this blur that are stored plainly.
+// Why: docs/decisions/0012-planning.md.
+inline constexpr double kUsualBlurPx = 1.0;
 
 // Pixels that must lie between the feature frame's inner edge, which carries the corners, and the
 // image's border: the reader does not need the whole stroke. Agreement: `./dev bench plan`.

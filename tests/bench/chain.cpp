@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the reader manages on tags as phones and webcams store them: simulated through camera chains
 // whose strengths are drawn anew for each tag, by resolution. Usage: bench_chain [N] [SEED] [-v]
-// [-w] [-c]; N tags for each chain and resolution; -w: plates white on black; -c: the scheme of the
-// check digit is named.
+// [-w] [-c] [-b]; N tags for each chain and resolution; -w: plates white on black; -c: the scheme
+// of the check digit is named; -b: small tags, with a code book of 400, as a plan takes them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,6 +43,7 @@ struct Outcome {
 
 bool white_on_black = false;
 std::optional<CheckDigit> check;  // nothing = either
+bool with_book = false;
 
 Camera camera_for(double module_px) {
   Camera camera;
@@ -97,6 +98,10 @@ Result<Outcome> run_one(const std::string& name, double module_px, std::uint64_t
   ReadOptions options;
   options.white_on_black = white_on_black;
   options.check = check;
+  if (with_book) {
+    options.code_book = {code};
+    while (options.code_book.size() < 400) options.code_book.push_back(bench::random_code(random));
+  }
   for (const Reading& reading : read_tags(stored->view(), options).tags) {
     if (reading.digits != code) {
       outcome.wrong = true;
@@ -150,15 +155,19 @@ int main(int argc, char** argv) {
   const bool verbose = std::ranges::count(flags, "-v") > 0;
   white_on_black = std::ranges::count(flags, "-w") > 0;
   if (std::ranges::count(flags, "-c") > 0) check = CheckDigit::gs1;
+  with_book = std::ranges::count(flags, "-b") > 0;
   if (count < 1) {
-    fmt::print(stderr, "usage: bench_chain [TAGS_PER_CELL] [SEED] [-v] [-w] [-c]\n");
+    fmt::print(stderr, "usage: bench_chain [TAGS_PER_CELL] [SEED] [-v] [-w] [-c] [-b]\n");
     return 2;
   }
   fmt::print(
       "| chain | px a module | read | wrong | corner error, median px | outward | chi-square a "
       "degree: median | mean | beyond 95 % |\n|---|---|---|---|---|---|---|---|---|\n");
+  const std::vector<double> resolutions =
+      with_book ? std::vector{0.4, 0.45, 0.5, 0.55, 0.6, 0.7, 0.8, 0.95}
+                : std::vector{0.8, 1.1, 1.5, 2.1, 3.0, 4.2};
   for (const std::string name : {"none", "mild", "strong", "night"}) {
-    for (const double module_px : {0.8, 1.1, 1.5, 2.1, 3.0, 4.2}) {
+    for (const double module_px : resolutions) {
       std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
       std::vector<std::string> failures(outcomes.size());
       tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t i) {

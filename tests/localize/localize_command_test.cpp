@@ -507,7 +507,7 @@ TEST_CASE("no row of a run that contradicts its rig is confirmed") {
   // A camera 10 mm from its place, which is stated to 1 mm: rows are located.
   const TemporaryFolder folder;
   std::string rig = contents("surveys/corridor/rig.yaml");
-  const std::string left = "side: left, sigma: 0 }";
+  const std::string left = "side: left, blur_px: 0.7, sigma: 0 }";
   rig.replace(rig.find(left), left.size(),
               "side: left, position: [0, 0.01, 0], "
               "sigma: { position: 0.001, angle: 0.01, focal: 0, center: 0 } }");

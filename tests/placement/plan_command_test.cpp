@@ -144,7 +144,8 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
     return (folder.path() / name).string();
   };
   const std::string files = "plan " + without("survey.yaml", "  sigma: 0.002") + " --rig " +
-                            without("rig.yaml", ", sigma: 0 ") + " --from 2 --to 2.2 --json";
+                            without("rig.yaml", ", blur_px: 0.7, sigma: 0 ") +
+                            " --from 2 --to 2.2 --json";
   const ProgramOutput output = run_tagsmith(files);
   const auto json = parsed_json(output.out);
   const std::string survey = "survey corridor states no sigma: 3 mm assumed";
@@ -155,9 +156,10 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
       "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
   const std::string shutter =
       "rig crawler states no readout of camera left, right: a global shutter assumed";
-  CHECK(json["assumed"] == nlohmann::json::array({survey, rig, shutter}));
+  const std::string blur = "rig crawler states no blur_px of camera left, right: 1 assumed";
+  CHECK(json["assumed"] == nlohmann::json::array({survey, rig, shutter, blur}));
   CHECK(output.err == "tagsmith plan: " + survey + "\ntagsmith plan: " + rig +
-                          "\ntagsmith plan: " + shutter + "\n");
+                          "\ntagsmith plan: " + shutter + "\ntagsmith plan: " + blur + "\n");
   CHECK(json["accuracy"]["plane"]["median"] > 0.003);
   const ProgramOutput stated = run_tagsmith(kCorridor + " --from 2 --to 2.2 --json");
   CHECK(stated.err.empty());
