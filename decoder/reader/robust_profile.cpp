@@ -3,11 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <iterator>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -203,23 +200,6 @@ Cells differences(const DarkRows& rows, const Consensus& consensus) {
   return rows.darkness - expected;
 }
 
-// The median of values that are not negative, as quantile() has it: the leading bits of such
-// numbers sort them into classes, of which one is looked at.
-float median_of_squares(const std::vector<float>& squares) {
-  // By sign, exponent and three bits more.
-  const auto class_of = [](float square) { return std::bit_cast<std::uint32_t>(square) >> 20; };
-  std::vector<std::uint32_t> counts(std::size_t{1} << 12);
-  for (const float square : squares) ++counts[class_of(square)];
-  auto before = static_cast<std::uint32_t>((squares.size() - 1) / 2);
-  std::uint32_t at = 0;
-  while (before >= counts[at]) before -= counts[at++];
-  std::vector<float> alike;
-  std::ranges::copy_if(squares, std::back_inserter(alike),
-                       [&](float square) { return class_of(square) == at; });
-  std::ranges::nth_element(alike, alike.begin() + before);
-  return alike[before];
-}
-
 // Variance of one pixel's darkness: from the median of what cells are off.
 double pixel_variance(const DarkRows& rows, const Cells& off) {
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
@@ -232,7 +212,7 @@ double pixel_variance(const DarkRows& rows, const Cells& off) {
     }
   }
   if (squares.empty()) return kModelVariance;
-  return std::max(kModelVariance, static_cast<double>(median_of_squares(squares)) / kMedianChi2);
+  return std::max(kModelVariance, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
 }
 
 // The cells that differ by more than noise and shading allow.
