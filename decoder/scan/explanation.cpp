@@ -121,13 +121,7 @@ Digits digits_of(const Characters& characters) {
 
 BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
   if (!options.code_book.empty()) return best_code(costs, options.code_book);
-  // Where the best symbol of all is a valid code, no further search is needed.
-  const BestSymbol free = best_symbol(costs, SymbolClass::upright);
-  const Digits digits = digits_of(free.characters);
   BestSymbol best{{}, std::numeric_limits<double>::infinity()};
-  for (const CheckDigit scheme : schemes_of(options)) {
-    if (has_check_digit(scheme, digits)) return free;
-  }
   for (const CheckDigit scheme : schemes_of(options)) {
     const BestSymbol found = best_code(costs, scheme);
     if (found.cost < best.cost) best = found;
