@@ -93,16 +93,15 @@ std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolH
 std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
                                                     const RefinedFrame& frame,
                                                     const ReadOptions& options, bool quickly_too) {
-  SymbolLook look(image, frame);
   if (quickly_too) {
-    auto quick = look.by_agreeing_rows(options);
+    auto quick = quick_hypothesis(image, frame, options);
     if (quick && !objection_to_quick(image, *quick, options)) return quick;
   }
   // What covers a side need not cover the bars, too.
   const bool whole = std::ranges::all_of(frame.shown, std::identity{});
   const double sure = options.min_confidence.value_or(whole ? kSureIfCovered : 0);
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
-    auto careful = look.by_all_rows(options, added);
+    auto careful = careful_hypothesis(image, frame, options, added);
     if (!careful || careful->decoding.fit.explained < kJudge.like_symbol) return std::nullopt;
     if (!objection_to(careful->decoding, options) && careful->decoding.confidence >= sure) {
       return careful;

@@ -16,18 +16,18 @@
 namespace tagsmith::detail {
 namespace {
 
-// The best explained hypothesis along the symbol direction(s) that are possible. `rows_from` gives
-// the rows of a layout from a first corner on, `profile_of` their profile.
-template <class RowsFrom, class ProfileOf>
+// The best explained hypothesis along the symbol direction(s) that are possible. `profile_of` gives
+// the profile of the rows from a first corner on.
+template <class ProfileOf>
 std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const RefinedFrame& frame,
-                                                const ReadOptions& options,
-                                                const RowsFrom& rows_from,
+                                                const ReadOptions& options, bool evened,
                                                 const ProfileOf& profile_of) {
   const DecodeOptions decode_options{options.check, options.code_book};
   std::optional<SymbolHypothesis> best;
   const auto consider = [&](std::size_t first_corner, const SymbolLayout& layout) {
-    auto rows = rows_from(first_corner, layout);
-    SymbolProfile profile = profile_of(rows);
+    auto rows = std::make_shared<const RobustProfile>(image, turned_to(frame, first_corner), layout,
+                                                      evened);
+    SymbolProfile profile = profile_of(*rows);
     ImagingModel start;
     start.blur = std::clamp(profile.blur, 0.1, 3.0);
     start.pixel = profile.pixel;
@@ -84,79 +84,49 @@ std::shared_ptr<const RobustProfile> rows_of(const GrayView& image, const Refine
   return std::make_shared<RobustProfile>(image, frame, symbol.layout, evened);
 }
 
-std::shared_ptr<const RobustProfile> SymbolLook::seen(std::size_t first_corner,
-                                                      const SymbolLayout& layout, bool evened) {
-  const auto same = std::ranges::find_if(seen_, [&](const Seen& other) {
-    return other.first_corner == first_corner && other.is_evened == evened &&
-           other.rows->layout() == layout;
-  });
-  if (same != seen_.end()) return same->rows;
-  seen_.push_back(
-      {first_corner,
-       evened,
-       std::make_shared<RobustProfile>(image_, turned_to(frame_, first_corner), layout, evened),
-       {}});
-  return seen_.back().rows;
-}
-
-const SymbolRows& SymbolLook::in_sight(const std::shared_ptr<const RobustProfile>& rows) {
-  std::optional<SymbolRows>& made = std::ranges::find(seen_, rows, &Seen::rows)->in_sight;
-  if (!made) made = rows->rows_in_sight();
-  return *made;
-}
-
 bool is_beyond_doubt(const Decoding& decoding) {
   return 1 - decoding.confidence < kJudge.beyond_doubt;
 }
 
+namespace {
+
 template <class ProfileOf>
-std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& options,
-                                                          const ProfileOf& profile_of) {
-  const auto best = [&](bool evened) {
-    return best_hypothesis(
-        image_, frame_, options,
-        [&](std::size_t first_corner, const SymbolLayout& layout) {
-          return seen(first_corner, layout, evened);
-        },
-        profile_of);
-  };
-  auto as_seen = best(false);
+std::optional<SymbolHypothesis> in_best_light(const GrayView& image, const RefinedFrame& frame,
+                                              const ReadOptions& options,
+                                              const ProfileOf& profile_of) {
+  auto as_seen = best_hypothesis(image, frame, options, false, profile_of);
   const auto explained = [](const auto& symbol) { return symbol->decoding.fit.explained; };
   // No other light could explain more of it.
   if (as_seen && explained(as_seen) > kJudge.explained && is_beyond_doubt(as_seen->decoding)) {
     return as_seen;
   }
-  if (!lies_in_shadow_) {
-    const std::size_t first = possible_first_corners(image_, frame_.corners).front();
-    lies_in_shadow_ = is_unevenly_lit(image_, turned_to(frame_, first), options.layouts.front());
-  }
-  if (!*lies_in_shadow_) return as_seen;
-  auto evened = best(true);
+  const std::size_t first = possible_first_corners(image, frame.corners).front();
+  if (!is_unevenly_lit(image, turned_to(frame, first), options.layouts.front())) return as_seen;
+  auto evened = best_hypothesis(image, frame, options, true, profile_of);
   auto& better = evened && (!as_seen || explained(evened) > explained(as_seen)) ? evened : as_seen;
   if (better) better->in_shadow = true;
   return better;
 }
 
-std::optional<SymbolHypothesis> SymbolLook::by_agreeing_rows(const ReadOptions& options) {
-  return in_best_light(options, [](const auto& rows) { return rows->of_agreeing_rows(); });
-}
-
-std::optional<SymbolHypothesis> SymbolLook::by_all_rows(const ReadOptions& options,
-                                                        AddedLight added) {
-  return in_best_light(options,
-                       [&](const auto& rows) { return rows->of_all_rows(in_sight(rows), added); });
-}
+}  // namespace
 
 std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,
                                                  const ReadOptions& options) {
-  return SymbolLook(image, frame).by_agreeing_rows(options);
+  return in_best_light(image, frame, options,
+                       [](const RobustProfile& rows) { return rows.of_agreeing_rows(); });
+}
+
+std::optional<SymbolHypothesis> careful_hypothesis(const GrayView& image, const RefinedFrame& frame,
+                                                   const ReadOptions& options, AddedLight added) {
+  return in_best_light(image, frame, options, [added](const RobustProfile& rows) {
+    return rows.of_all_rows(rows.rows_in_sight(), added);
+  });
 }
 
 std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const RefinedFrame& frame,
                                                   const ReadOptions& options) {
-  SymbolLook look(image, frame);
-  auto quick = look.by_agreeing_rows(options);
-  auto careful = look.by_all_rows(options, AddedLight::even);
+  auto quick = quick_hypothesis(image, frame, options);
+  auto careful = careful_hypothesis(image, frame, options, AddedLight::even);
   if (!careful || (quick && quick->decoding.fit.explained > careful->decoding.fit.explained)) {
     return quick;
   }

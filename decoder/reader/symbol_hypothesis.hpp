@@ -37,47 +37,16 @@ std::shared_ptr<const RobustProfile> rows_of(const GrayView& image, const Refine
 // Whether a symbol is beyond doubt by its whole height: then its halves need no check.
 bool is_beyond_doubt(const Decoding& decoding);
 
-// What is seen of a frame, cut out of the picture once for each direction in which the symbol may
-// run.
-class SymbolLook {
- public:
-  SymbolLook(const GrayView& image, const RefinedFrame& frame) : image_(image), frame_(frame) {}
-
-  // The best explained symbol of the options' layouts, along the direction(s) in which it may run,
-  // from the rows that agree (RobustProfile::of_agreeing_rows). Nothing where no guard patterns are
-  // visible. Where shadows lie on the plate, both as seen and evened out.
-  std::optional<SymbolHypothesis> by_agreeing_rows(const ReadOptions& options);
-
-  // The same from all rows, with what each shows by its own light (RobustProfile::of_all_rows).
-  std::optional<SymbolHypothesis> by_all_rows(const ReadOptions& options, AddedLight added);
-
- private:
-  struct Seen {
-    std::size_t first_corner;  // treated as P
-    bool is_evened;
-    std::shared_ptr<const RobustProfile> rows;
-    std::optional<SymbolRows> in_sight;  // of them, once they were asked for
-  };
-
-  std::shared_ptr<const RobustProfile> seen(std::size_t first_corner, const SymbolLayout& layout,
-                                            bool evened);
-  const SymbolRows& in_sight(const std::shared_ptr<const RobustProfile>& rows);  // that were seen
-
-  // The best explained symbol by the profiles that `profile_of` takes of the rows, with and without
-  // evened light; without, where that leaves no doubt.
-  template <class ProfileOf>
-  std::optional<SymbolHypothesis> in_best_light(const ReadOptions& options,
-                                                const ProfileOf& profile_of);
-
-  GrayView image_;
-  const RefinedFrame& frame_;
-  std::vector<Seen> seen_;
-  std::optional<bool> lies_in_shadow_;
-};
-
-// SymbolLook::by_agreeing_rows alone.
+// The best explained symbol of the options' layouts, along the direction(s) in which it may run,
+// from the rows that agree (RobustProfile::of_agreeing_rows). Nothing where no guard patterns are
+// visible. Where shadows lie on the plate, both as seen and evened out; as seen alone, where that
+// leaves no doubt.
 std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,
                                                  const ReadOptions& options);
+
+// The same from all rows, with what each shows by its own light (RobustProfile::of_all_rows).
+std::optional<SymbolHypothesis> careful_hypothesis(const GrayView& image, const RefinedFrame& frame,
+                                                   const ReadOptions& options, AddedLight added);
 
 // By the rows that agree or by all of them, whichever explains more.
 std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const RefinedFrame& frame,
