@@ -73,9 +73,10 @@ PixelBox box_around(const Points& points, double margin, const GrayView& image) 
   const auto pixel = [](double at, int size) {  // 0 for what is no number
     return at > 0 ? static_cast<int>(std::min(at, static_cast<double>(size))) : 0;
   };
-  return {pixel(left.x - margin, image.width), pixel(top.y - margin, image.height),
-          pixel(std::ceil(right.x + margin) + 1, image.width),
-          pixel(std::ceil(bottom.y + margin) + 1, image.height)};
+  const int first_x = pixel(left.x - margin, image.width);
+  const int first_y = pixel(top.y - margin, image.height);
+  return {first_x, first_y, std::max(first_x, pixel(std::ceil(right.x + margin) + 1, image.width)),
+          std::max(first_y, pixel(std::ceil(bottom.y + margin) + 1, image.height))};
 }
 
 inline GrayView part_of(const GrayView& image, const PixelBox& box) {
