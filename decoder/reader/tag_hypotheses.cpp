@@ -120,9 +120,12 @@ std::size_t TagHypotheses::to_be_looked_at() const {
 }
 
 bool TagHypotheses::has_met_covers() const {
-  return std::ranges::any_of(all_, &TagHypothesis::may_be_covered) ||
-         any_reading(
-             [](const Reading& tag) { return tag.method == ReadingMethod::partly_covered; });
+  const auto shows_cover = [](const TagHypothesis& hypothesis) {
+    return hypothesis.may_be_covered && hypothesis.explained() < kJudge.explained;
+  };
+  return std::ranges::any_of(all_, shows_cover) || any_reading([](const Reading& tag) {
+           return tag.method == ReadingMethod::partly_covered;
+         });
 }
 
 bool TagHypotheses::has_reading_at(PixelPoint point) const {

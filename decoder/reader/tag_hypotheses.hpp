@@ -90,7 +90,8 @@ class TagHypotheses {
   // How many of them ask for a careful look, at a frame or at the bars inside.
   std::size_t to_be_looked_at() const;
 
-  // Whether something was in the way of a tag: another may be behind it too.
+  // Whether something was in the way of a tag: another may be behind it too. What is explained and
+  // refused all the same is too small or blurred.
   bool has_met_covers() const;
 
   // Whether a point lies inside a frame that was read.

@@ -174,6 +174,20 @@ TEST_CASE("covered frames and odd bars are counted as asking for a careful look,
   CHECK(found.to_be_looked_at() == 2);
 }
 
+TEST_CASE("a refused tag tells of covers where its digits do not explain it") {
+  for (const auto& [explained, is_covered] : {std::pair{0.95, false}, std::pair{0.8, true}}) {
+    CAPTURE(explained);
+    TagHypothesis refused = refused_at(kPlate, RejectionReason::doubtful);
+    refused.may_be_covered = true;
+    std::get<Rejection>(refused.outcome).symbol =
+        std::get<Reading>(read_at(kPlate, kOne, explained).outcome).symbol;
+    TagHypotheses found{FrameShape{}};
+    found.keep(refused);
+    CHECK(found.has_met_covers() == is_covered);
+    CHECK(found.covered_frames().size() == 1);
+  }
+}
+
 TEST_CASE("a tag that was read behind something tells of covers") {
   TagHypothesis behind = read_at(kPlate, kOne, 0.95);
   std::get<Reading>(behind.outcome).method = ReadingMethod::partly_covered;
