@@ -33,6 +33,15 @@ BarRegion bars_inside(const GrayView& image, const Quad& quad, const SymbolLayou
   return region;
 }
 
+// Whether a frame's symbol was refused for nothing but its size: its digits explain what is seen of
+// it, and its modules are narrower than a pixel. Lines of pixels, which show that less well than
+// the whole profile, need not be followed for it.
+bool is_too_small(const TagHypothesis& refused) {
+  const Rejection* rejection = refused.refusal();
+  return rejection != nullptr && rejection->symbol && refused.explained() >= kJudge.explained &&
+         rejection->symbol->profile.module_px < 1;
+}
+
 Rejection fault_of(const Quad& quad, FrameFault fault) {
   Rejection rejection{RejectionReason::frame_fault, quad};
   rejection.fault = fault;
@@ -240,8 +249,9 @@ void Detector::look_at(const RefusedFrame& refused) {
   const RefinedFrame frame = *found_[refused.hypothesis].frame;
   if (found_.is_read(frame.corners)) return;
   const GrayView seen = as_seen_by(found_[refused.hypothesis]);
+  const bool is_small = is_too_small(found_[refused.hypothesis]);
   TagHypothesis& looked = judge_carefully(seen, frame, false);
-  if (looked.reading() == nullptr) {
+  if (looked.reading() == nullptr && !is_small) {
     looked.odd_bars = bars_inside(picture_.image(), frame.corners, typical_);
   }
 }
