@@ -227,6 +227,23 @@ TEST_CASE("bars in a frame of which one side is something else's are looked at o
   CHECK(odd[0].length == doctest::Approx(tag.region().length).epsilon(0.1));
 }
 
+TEST_CASE("lines are followed for a blurred symbol unless its modules are narrower than a pixel") {
+  for (const double module_px : {0.6, 1.5}) {
+    CAPTURE(module_px);
+    SeenTag tag = seen_aslant();
+    tag.view.module_px = module_px;
+    tag.blur_px = 2.33 * module_px;
+    Looked looked(tag);
+    looked.detector.consider(looked.outline());
+    only_refusal(looked.detector.result());
+    REQUIRE(looked.detector.found().covered_frames().size() == 1);
+    CHECK(looked.detector.found().odd_bars().empty());
+    looked.detector.consider(RefusedFrame{looked.detector.found().covered_frames()[0]});
+    CHECK(looked.detector.found().tags().empty());
+    CHECK(looked.detector.found().odd_bars().size() == (module_px < 1 ? 0 : 1));
+  }
+}
+
 TEST_CASE("a symbol that is too blurred for any code is read again as a likely one") {
   SeenTag tag = seen_aslant();
   tag.view.module_px = 0.6;
