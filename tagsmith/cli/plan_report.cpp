@@ -200,8 +200,9 @@ std::vector<std::string> plan_assumptions(const PlannedDrive& drive) {
     if (!camera.blur_px) unstated.push_back(camera.name);
   }
   if (!unstated.empty()) {
-    all.push_back(fmt::format("rig {} states no blur_px of camera {}: {} assumed", drive.rig.name,
-                              fmt::join(unstated, ", "), format_number(kUsualBlurPx)));
+    all.push_back(fmt::format("rig {} states no blur_px of camera {}: {} pixel assumed",
+                              drive.rig.name, fmt::join(unstated, ", "),
+                              format_number(kUsualBlurPx)));
   }
   return all;
 }

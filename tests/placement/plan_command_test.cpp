@@ -156,7 +156,7 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
       "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
   const std::string shutter =
       "rig crawler states no readout of camera left, right: a global shutter assumed";
-  const std::string blur = "rig crawler states no blur_px of camera left, right: 1 assumed";
+  const std::string blur = "rig crawler states no blur_px of camera left, right: 1 pixel assumed";
   CHECK(json["assumed"] == nlohmann::json::array({survey, rig, shutter, blur}));
   CHECK(output.err == "tagsmith plan: " + survey + "\ntagsmith plan: " + rig +
                           "\ntagsmith plan: " + shutter + "\ntagsmith plan: " + blur + "\n");
