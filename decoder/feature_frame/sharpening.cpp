@@ -338,10 +338,7 @@ namespace {
 
 // The part of an image around a quadrilateral that its feature frame and halos cover.
 PixelBox around(const GrayView& image, const Quad& quad) {
-  const auto [left, right] = std::ranges::minmax(quad, {}, &PixelPoint::x);
-  const auto [top, bottom] = std::ranges::minmax(quad, {}, &PixelPoint::y);
-  const double size = std::max(right.x - left.x, bottom.y - top.y);
-  return box_around(quad, kSharpening.beyond_px + 0.1 * size, image);
+  return box_around(quad, kSharpening.beyond_px + 0.1 * extent_of(quad), image);
 }
 
 // Grey levels; a column of the plane is a row of the picture, whose samples are neighbours.

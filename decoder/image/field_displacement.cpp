@@ -24,20 +24,21 @@ TAGSMITH_WIDE
 Differences differences_at(const GrayView& image, int y, int last) {
   const std::uint8_t *above = image.row(y - 1), *row = image.row(y), *below = image.row(y + 1);
   Differences sums{};
-  for (int shift = -kMost; shift <= kMost; ++shift) {
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const int shift = static_cast<int>(i) - kMost;
     std::int32_t sum = 0;
     for (int x = kMost; x < last; ++x) {
       const auto difference =
           static_cast<std::int16_t>(2 * row[x] - above[x + shift] - below[x + shift]);
       sum += difference * difference;
     }
-    sums[static_cast<std::size_t>(shift + kMost)] = sum;
+    sums[i] = sum;
   }
   return sums;
 }
 
 // The displacement at which an even and an odd row together differ least: each is displaced in the
-// opposite direction.
+// opposite direction. 0 where they show nothing that could be displaced.
 double likeliest_displacement(const Differences& even, const Differences& odd) {
   std::array<double, 2 * kMost + 1> sums{};
   for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -45,7 +46,8 @@ double likeliest_displacement(const Differences& even, const Differences& odd) {
   }
   const auto least = std::min_element(sums.begin() + 1, sums.end() - 1);
   const double bend = least[-1] - 2 * least[0] + least[1];
-  const double beside = bend > 0 ? (least[-1] - least[1]) / (2 * bend) : 0;
+  if (!(bend > 0)) return 0;
+  const double beside = (least[-1] - least[1]) / (2 * bend);
   return static_cast<double>(least - sums.begin()) - kMost + std::clamp(beside, -1.0, 1.0);
 }
 

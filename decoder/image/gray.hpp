@@ -64,6 +64,14 @@ struct PixelBox {
   PixelPoint first() const { return {static_cast<double>(left), static_cast<double>(top)}; }
 };
 
+// The longer side of the upright rectangle around points, pixels.
+template <class Points>
+double extent_of(const Points& points) {
+  const auto [left, right] = std::ranges::minmax(points, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(points, {}, &PixelPoint::y);
+  return std::max(right.x - left.x, bottom.y - top.y);
+}
+
 // The pixels of an image around points, with so many more on each side, as far as the image has
 // them: none where all points are beyond one of its borders. Of points that are no number, any.
 template <class Points>

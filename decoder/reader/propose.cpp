@@ -29,11 +29,8 @@ std::size_t max_changes(const PyramidLevel& level) {
 
 // The part of the image around an expected tag.
 PyramidLevel surroundings(const GrayView& image, const ExpectedTag& expected) {
-  const auto [left, right] = std::ranges::minmax(expected.corners, {}, &PixelPoint::x);
-  const auto [top, bottom] = std::ranges::minmax(expected.corners, {}, &PixelPoint::y);
-  const double size = std::max(right.x - left.x, bottom.y - top.y);
-  const PixelBox box =
-      box_around(expected.corners, expected.uncertainty_px + 16 + 0.1 * size, image);
+  const double margin = expected.uncertainty_px + 16 + 0.1 * extent_of(expected.corners);
+  const PixelBox box = box_around(expected.corners, margin, image);
   return {part_of(image, box), 1, 20, box.first()};
 }
 

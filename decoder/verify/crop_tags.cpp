@@ -10,10 +10,7 @@ namespace tagsmith::detail {
 std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& corners,
                                      int orientation) {
   constexpr int kMostCrop = 800;
-  const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
-  const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
-  const double margin = 0.5 * std::max(right.x - left.x, bottom.y - top.y);
-  const PixelBox box = box_around(corners, margin, image);
+  const PixelBox box = box_around(corners, 0.5 * extent_of(corners), image);
   if (box.width() < 2 || box.height() < 2) return std::nullopt;
   GrayImage crop = copy_of(part_of(image, box));
   if (image.is_negative) crop = exchange_black_and_white(crop.view());  // shown as it is

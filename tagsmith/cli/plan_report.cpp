@@ -11,6 +11,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/placement/sight.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith::detail {

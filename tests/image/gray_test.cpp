@@ -30,6 +30,11 @@ TEST_CASE("the box around points holds their pixels, as far as the image has the
   CHECK(box_around(below, 2, image.view()).height() == 0);
 }
 
+TEST_CASE("the extent of points is that of the longer side around them") {
+  CHECK(extent_of(std::vector<PixelPoint>{{3, 8}, {10, 9}, {5, 2}}) == 7);
+  CHECK(extent_of(std::vector<PixelPoint>{{3, 8}, {5, -2}}) == 10);
+}
+
 TEST_CASE("points that are no number have a box in the image") {
   const GrayImage image = ramp(100, 50);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
