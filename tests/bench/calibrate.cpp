@@ -297,7 +297,7 @@ void print_nees(const NamedCamera& truth, std::size_t draws_count) {
     held[i] = holds_truth(truth.camera, found->form) ? 1 : 0;
     if (held[i] != 0) nees[i] = nees_of(truth.camera, *found);
     sigmas[i] = worst_ray(truth.camera, found->camera) / ray_grid(*found).worst_sigma_px();
-    const auto assessment = assess_calibration(*found, views, {&board, 1}, {});
+    const auto assessment = assess_calibration(*found, views, {&board, 1});
     good[i] = assessment.trust == CalibrationTrust::good ? 1 : 0;
   });
   double sum = 0, count = 0;
