@@ -211,7 +211,7 @@ void print_pictures(const Corridor& exact, int count) {
     Random random(7);
     Sum sum;
     Corridor corridor = exact;
-    corridor.survey.sigma = kind.survey_sigma;
+    for (PlacedTag& tag : corridor.survey.tags) tag.sigma = kind.survey_sigma;
     for (int i = 0; i < count; ++i) {
       const auto& points = corridor.run.measurements;
       const Vector3d truth = *points[static_cast<std::size_t>(i) % points.size()].truth_in_grid;
