@@ -289,6 +289,27 @@ std::optional<BarEnds> ends_between(const Symbol& symbol, const Patterns& patter
   return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
 }
 
+// How much farther outwards a window's bars fade from half of their contrast to a sixth than they
+// do from five sixths to half, pixels; nothing where they do not fade out at their end.
+std::optional<double> fading(const Symbol& symbol, const Pattern& pattern, std::size_t window,
+                             double end, double v_per_px, int reach_px) {
+  std::array<double, 3> places{};
+  std::size_t found = 0;
+  const auto sought = [&] { return (2.0 * static_cast<double>(found) + 1) / 6; };
+  double before = 0;
+  for (int k = -reach_px; k <= reach_px && found < places.size(); ++k) {
+    const double lost =
+        1 - static_cast<double>(share_of(pattern, symbol.row(window, end + k * v_per_px)));
+    if (k == -reach_px && lost > sought()) return std::nullopt;
+    for (; found < places.size() && lost >= sought(); ++found) {
+      places[found] = k - (lost - sought()) / (lost - before);
+    }
+    before = lost;
+  }
+  if (found < places.size()) return std::nullopt;
+  return places[0] + places[2] - 2 * places[1];
+}
+
 }  // namespace
 
 BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens,
@@ -311,6 +332,31 @@ BothEnds find_both_ends(const GrayView& image, const BarField& field) {
                         v + outwards * kBarEnds.outside);
   };
   return {field, end(field.top, -1), end(field.bottom, 1)};
+}
+
+std::optional<Lopsidedness> lopsidedness_along_bars(const GrayView& image, const BothEnds& ends,
+                                                    double blur_px) {
+  const Symbol symbol(image, ends.field);
+  const Patterns patterns = patterns_of(symbol);
+  const int reach_px = static_cast<int>(std::ceil(5 * blur_px));
+  // What is the same outwards above and below, such as sharpening, is no displacement and is left
+  // in the scatter.
+  std::vector<double> downwards;
+  for (const auto& [line, outwards] : {std::pair{ends.upper, -1}, std::pair{ends.lower, 1}}) {
+    for (std::size_t window = 0; line && window < kWindows; ++window) {
+      if (!has_contrast(patterns[window])) continue;
+      const double u = symbol.middle_of(window), end = line->at(u);
+      const auto here = fading(symbol, patterns[window], window, end,
+                               outwards / symbol.pixels_per_v(u, end), reach_px);
+      if (here) downwards.push_back(outwards * *here);
+    }
+  }
+  if (downwards.size() < kWindows) return std::nullopt;
+  const auto count = static_cast<double>(downwards.size());
+  double sum = 0, squares = 0;
+  for (const double px : downwards) sum += px;
+  for (const double px : downwards) squares += std::pow(px - sum / count, 2);
+  return Lopsidedness{sum / count, std::sqrt(squares / (count * (count - 1)))};
 }
 
 double ends_tolerance_px(const Quad& corners) {

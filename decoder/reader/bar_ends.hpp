@@ -48,6 +48,16 @@ struct BothEnds {
 };
 BothEnds find_both_ends(const GrayView& image, const BarField& field);
 
+// How lopsided the point spread is along the bars: how much farther downwards than upwards from
+// their ends half of the light is spread, pixels, and the standard deviation of that. Nothing where
+// fewer than half of the ends are in sight. `blur_px`: standard deviation of the point spread.
+struct Lopsidedness {
+  double px = 0;
+  double sigma_px = 0;
+};
+std::optional<Lopsidedness> lopsidedness_along_bars(const GrayView& image, const BothEnds& ends,
+                                                    double blur_px);
+
 // How far the bars' ends may be from where the layout has them in a frame of these corners, pixels:
 // templates' margins are rounded, lenses bend lines, and ends are blurred.
 double ends_tolerance_px(const Quad& corners);

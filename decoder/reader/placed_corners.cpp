@@ -282,6 +282,32 @@ std::array<double, 2> beside_a_line(const SeenBands& bands, double middle,
   return {beside(0), beside(1)};
 }
 
+// By how far lopsidedness is beyond four standard deviations of what noise explains, and of what
+// bars along the pixel grid show in clear photos, pixels.
+double beyond_noise(const Lopsidedness& seen) {
+  const double noise = 4 * std::hypot(seen.sigma_px, 0.05);
+  return std::sqrt(std::max(0.0, seen.px * seen.px - noise * noise));
+}
+
+// By how much everything that is seen may be displaced, pixels, where the picture is of more than
+// one moment: two exposures, or a filter that mixes earlier frames into it. Then the point spread
+// is lopsided along the motion. Zero where noise explains it.
+double between_moments(const GrayView& image, const SeenBands& bands,
+                       const SymbolHypothesis& symbol) {
+  double sum = 0, weight = 0;
+  for (const SeenPlaces& bars : bands) {
+    const double here = 1 / (bars.lopsided_sigma * bars.lopsided_sigma);
+    sum += here * bars.lopsided;
+    weight += here;
+  }
+  const double px = symbol.profile.module_px;
+  const double across = beyond_noise({px * sum / weight, px / std::sqrt(weight)});
+  const double blur_px = std::max(symbol.frame.sides[0].blur_px, symbol.frame.sides[2].blur_px);
+  if (blur_px < 0.8) return across;  // it hides no such motion along the bars
+  const auto along = lopsidedness_along_bars(image, bar_ends_of(image, symbol), blur_px);
+  return std::hypot(across, along ? beyond_noise(*along) : 0);
+}
+
 // Of a line of bars' ends: where it stands in SeenOutwards, and how far it may be off by itself.
 struct EnteredEnds {
   Eigen::Index first = 0;
@@ -395,8 +421,8 @@ PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& 
 
 HeightShare band_of(int band) { return {0.25 * band, 0.25 * (band + 1)}; }
 
-CornerCovariance covariance_of_shifted_rows(const GrayView& image, const SeenBands& bands,
-                                            double middle, const SymbolHypothesis& symbol) {
+CornerCovariance covariance_by_motion(const GrayView& image, const SeenBands& bands, double middle,
+                                      const SymbolHypothesis& symbol) {
   const std::array<double, 2> beside = beside_a_line(bands, middle, symbol);
   Eigen::Matrix<double, 8, 2> moved = Eigen::Matrix<double, 8, 2>::Zero();
   for (const Eigen::Index i : {0, 1}) {
@@ -409,6 +435,9 @@ CornerCovariance covariance_of_shifted_rows(const GrayView& image, const SeenBan
   const PixelBox around = box_around(symbol.frame.corners, kMostFieldDisplacement, image);
   const double by_fields = field_displacement(part_of(image, around)) / 2;
   covariance.diagonal().array() += by_fields * by_fields;  // the rows do not show it across them
+  // The bars show how far, and not in which direction.
+  const double by_moments = between_moments(image, bands, symbol);
+  covariance += by_moments * by_moments * Eigen::Matrix2d::Identity().replicate<4, 4>();
   return covariance;
 }
 
@@ -427,7 +456,7 @@ PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypoth
   const StrokeExcesses excesses = stroke_excesses(image, symbol);
   PlacedCorners placed =
       moved_to_bars(symbol, seen_by_bars(symbol, bands, ends, excesses), excesses);
-  placed.covariance += covariance_of_shifted_rows(image, bands, kModuleCount / 2.0, symbol);
+  placed.covariance += covariance_by_motion(image, bands, kModuleCount / 2.0, symbol);
   return placed;
 }
 

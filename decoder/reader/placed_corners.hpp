@@ -23,13 +23,14 @@ struct PlacedCorners {
 using SeenBands = std::array<SeenPlaces, 4>;
 HeightShare band_of(int band);
 
-// What is unsure about the corners, pixels^2, where the image's rows are displaced relative to each
-// other. A camera that shakes while it reads its rows one after another: the bars of several
+// What is unsure about the corners, pixels^2, where the camera or the vehicle moved while the image
+// was taken. A camera that shakes while it reads its rows one after another: the bars of several
 // heights lie on no straight line at their middle (a module), and the upper and the lower corners
 // are unsure along the bars, independently of each other. An interlaced one: each corner may belong
-// to either field. Zero where noise explains it.
-CornerCovariance covariance_of_shifted_rows(const GrayView& image, const SeenBands& bands,
-                                            double middle, const SymbolHypothesis& symbol);
+// to either field. Two exposures in one image, or a filter that mixes earlier ones into it: all
+// corners may be displaced alike. Zero where noise explains it.
+CornerCovariance covariance_by_motion(const GrayView& image, const SeenBands& bands, double middle,
+                                      const SymbolHypothesis& symbol);
 
 // Where a symbol's bars end, in its frame as that was fitted.
 BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol);

@@ -293,8 +293,8 @@ bool is_believed(const GrayView& image, const Part& part, const ReadOptions& opt
 }
 
 // The bars in sight of all heights must lie on a straight line, as those of whole tags.
-CornerCovariance covariance_of_shifted_rows(const GrayView& image, const Part& part,
-                                            const SymbolHypothesis& symbol) {
+CornerCovariance covariance_by_motion(const GrayView& image, const Part& part,
+                                      const SymbolHypothesis& symbol) {
   SeenBands bands;
   double middle = 0;
   for (int i = 0; i < 4; ++i) {
@@ -307,7 +307,7 @@ CornerCovariance covariance_of_shifted_rows(const GrayView& image, const Part& p
     bars.covariance *= kCorner.alike;
     middle += (bins.front().at + bins.back().at) / 8;
   }
-  return covariance_of_shifted_rows(image, bands, middle, symbol);
+  return covariance_by_motion(image, bands, middle, symbol);
 }
 
 std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
@@ -332,7 +332,7 @@ std::optional<PartReading> reading_of(const GrayView& image, const Part& part) {
   }
   // A lens that is not as stated bends the sides, too, and the bars show it.
   reading.corner_covariance = far.contradiction * covariance_by_frame(image, symbol) +
-                              covariance_of_shifted_rows(image, part, symbol);
+                              covariance_by_motion(image, part, symbol);
   reading.candidates = part.decoding.candidates;
   reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);

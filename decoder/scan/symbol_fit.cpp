@@ -177,6 +177,47 @@ FitEquations minimise(const ScanProfile& profile, const Digits& digits, const Im
   return found;
 }
 
+// How the darkness changes with the third central moment of the point spread, in standard
+// deviations, times -6 and by the square of the blur: as the change with the blur's logarithm does
+// along the profile.
+std::vector<double> by_third_moment(const ScanProfile& profile,
+                                    const std::vector<WeighedPlace>& places) {
+  const auto by_blur = [&](std::size_t i) {
+    return static_cast<double>(places[i].by_parameter[kLogBlur]) * std::sqrt(profile[i].variance);
+  };
+  std::vector<double> by_moment(profile.size());
+  for (std::size_t i = 1; i + 1 < profile.size(); ++i) {
+    const double slope =
+        (by_blur(i + 1) - by_blur(i - 1)) / (profile[i + 1].at - profile[i - 1].at);
+    by_moment[i] = slope / std::sqrt(profile[i].variance);
+  }
+  return by_moment;
+}
+
+// One more parameter, eliminated from the others (a Schur complement).
+void measure_lopsidedness(const ScanProfile& profile, const FitEquations& normal,
+                          const Eigen::LDLT<ParameterMatrix>& solver, double noise, double pixel,
+                          SeenPlaces& seen) {
+  const std::vector<double> by_moment = by_third_moment(profile, normal.places);
+  double information = 0, right = 0;
+  Parameters shared = Parameters::Zero(), others = Parameters::Zero();
+  for (std::size_t i = 0; i < by_moment.size(); ++i) {
+    const Parameters by_parameter = normal.places[i].by_parameter.cast<double>();
+    const auto residual = static_cast<double>(normal.places[i].residual);
+    information += by_moment[i] * by_moment[i];
+    right += by_moment[i] * residual;
+    shared += by_moment[i] * by_parameter;
+    others += residual * by_parameter;
+  }
+  const Parameters eliminated = solver.solve(shared);
+  information -= shared.dot(eliminated);
+  right -= others.dot(eliminated);
+  const double blur = std::exp(2 * normal.at[kLogBlur]);
+  const double scale = 6 * blur / (blur + pixel * pixel / 12);
+  seen.lopsided = -scale * right / information;
+  seen.lopsided_sigma = scale * std::sqrt(noise / information);
+}
+
 }  // namespace
 
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
@@ -209,8 +250,11 @@ SeenPlaces seen_places(const ScanProfile& profile, const Digits& digits, const I
   const ParameterMatrix inverse = solver.solve(ParameterMatrix::Identity());
   std::vector<float> residuals;
   for (const WeighedPlace& place : normal.places) residuals.push_back(place.residual);
-  return {p.segment<3>(kShift), normal.of_profile / freedom * inverse.block<3, 3>(kShift, kShift),
-          std::move(residuals)};
+  const double noise = normal.of_profile / freedom;
+  SeenPlaces seen{p.segment<3>(kShift), noise * inverse.block<3, 3>(kShift, kShift),
+                  std::move(residuals)};
+  measure_lopsidedness(profile, normal, solver, noise, start.pixel, seen);
+  return seen;
 }
 
 std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,

@@ -31,6 +31,10 @@ struct SeenPlaces {
   Eigen::Vector3d displacement;  // shift, stretch and bend of an ImagingModel
   Eigen::Matrix3d covariance;    // as if all places of the profile were independent of each other
   std::vector<float> residuals;  // of the places, in standard deviations
+  // How lopsided the point spread is along the symbol: its third central moment by its variance,
+  // modules, and the standard deviation of that. A picture of two moments shows it.
+  double lopsided = 0;
+  double lopsided_sigma = 0;
 
   // How the place of a module changes with the displacement.
   static Eigen::RowVector3d by_displacement(double module);

@@ -80,7 +80,8 @@ struct Survey {
   Tunnel tunnel;
   TagTemplate tag_template;
   std::optional<TagSeries> series;
-  double sigma = 0;        // standard deviation of a surveyed coordinate, metres
+  double sigma =
+      0;  // standard deviation of a surveyed coordinate, metres; a tag takes it when placed
   double angle_sigma = 0;  // of a plate's attitude against its wall, about each axis, radians
   // False where the file does not state it and the reader assumed the usual value
   // (assumptions.hpp).

@@ -452,6 +452,25 @@ void second_image(Scene& scene, cv::RNG& draws) {
   store(scene, samples, draws, 0);
 }
 
+// What a video camera does against noise: each frame is mixed with what it gave out before, in
+// which the plate stands 1 to 3 pixels aside a frame.
+void temporal_filter(Scene& scene, cv::RNG& draws) {
+  const double direction = draws.uniform(0.0, 2 * CV_PI), speed = draws.uniform(1.0, 3.0);
+  const double kept = draws.uniform(0.3, 0.6);
+  cv::Mat samples = cv::Mat::zeros(scene.picture.size(), CV_32F);
+  double share = 1 - kept;
+  for (int before = 0; share > 0.01; ++before, share *= kept) {
+    const cv::Mat move = (cv::Mat_<double>(2, 3) << 1, 0, before * speed * std::cos(direction), 0,
+                          1, before * speed * std::sin(direction));
+    cv::Mat moved;
+    cv::warpAffine(scene.picture, moved, move, scene.picture.size(), cv::INTER_CUBIC,
+                   cv::BORDER_REPLICATE);
+    cv::addWeighted(samples, 1, moved, share, 0, samples, CV_32F);
+  }
+  samples *= (1 - kept) / (1 - kept - share);  // of those that were left out
+  store(scene, samples, draws);
+}
+
 void sixteen_greys(Scene& scene, cv::RNG&) {
   scene.picture.forEach<unsigned char>([](unsigned char& sample, const int*) {
     sample = static_cast<unsigned char>(sample / 16 * 16 + 8);
@@ -507,6 +526,8 @@ constexpr Disturbance kDisturbances[] = {
     {"half_size", "made smaller by 2 and larger again", half_size},
     {"lost_blocks", "120 rows of 1 to 3 blocks replaced by grey", lost_blocks},
     {"second_image", "0.3 of the picture 4 pixels aside", second_image},
+    {"temporal_filter", "mixed with 0.3 to 0.6 of earlier frames, 1 to 3 pixels aside each",
+     temporal_filter},
     {"sixteen_greys", "16 levels of grey", sixteen_greys},
     {"strong_noise", "15 grey levels", strong_noise},
     {"coarse_noise", "10 grey levels in grains of 1.5 pixels", coarse_noise},

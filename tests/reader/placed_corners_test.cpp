@@ -203,6 +203,32 @@ TEST_CASE("corners in two fields of a picture are as unsure as these are apart")
   }
 }
 
+TEST_CASE("corners in a picture of two moments may be where either of them has them") {
+  const auto sigma = [](PixelPoint apart) {
+    DrawnSymbol drawn(kDrawnDigits, 3);
+    for (const double blurred : {0.5, -0.5}) shift_rows(drawn.image, [&](int) { return blurred; });
+    const GrayImage once = drawn.image;
+    for (int y = 0; y < once.height; ++y) {
+      for (int x = 0; x < once.width; ++x) {
+        const PixelPoint from{std::clamp(x - apart.x, 0.0, once.width - 1.0),
+                              std::clamp(y - apart.y, 0.0, once.height - 1.0)};
+        std::uint8_t& sample = drawn.image.samples[static_cast<std::size_t>(y * once.width + x)];
+        sample = static_cast<std::uint8_t>(
+            std::lround(0.7 * sample + 0.3 * sample_bilinear(once.view(), from)));
+      }
+    }
+    SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.02);
+    for (FrameSide& side : symbol.frame.sides) side.blur_px = 1;
+    return placed_in(drawn, symbol).covariance.diagonal().cwiseSqrt().eval();
+  };
+  CHECK(sigma({0, 0}).maxCoeff() < 0.1);
+  for (const PixelPoint apart : {PixelPoint{2, 0}, {-3, 0}, {0, 2}, {0, -3}, {1.5, 1.5}}) {
+    CAPTURE(apart.x);
+    CAPTURE(apart.y);
+    CHECK(sigma(apart).minCoeff() > 0.25 * std::hypot(apart.x, apart.y));
+  }
+}
+
 TEST_CASE("rows that only lean leave corners as sure as they were") {
   const DrawnSymbol drawn(kDrawnDigits, 3);
   const double still = placed_in(drawn, symbol_in(drawn, 0, 0, 0.1)).covariance.trace();
