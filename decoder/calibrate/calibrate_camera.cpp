@@ -115,16 +115,19 @@ struct RobustFit {
 };
 
 // Chi-square of all tags, with residuals so much larger than stated, a misfit counted as the least
-// misfit, plus twice the number of parameters (Akaike 1974).
-double akaike_cost(const RobustFit& fit, double factor) {
-  const double most = outlier_limit(count_tags(fit.problem));
-  double cost = 2.0 * static_cast<double>(fit.parameters);
+// misfit, plus ln(residuals) a parameter (as TriedForm::bic). By AIC one tag near the border that
+// is off was enough for a form with a pole beside it, which leaves the rays beyond unknown.
+double robust_bic(const RobustFit& fit, double factor) {
+  const std::size_t tags = count_tags(fit.problem);
+  const double most = outlier_limit(tags);
+  double bic =
+      static_cast<double>(fit.parameters) * std::log(static_cast<double>(kResiduals * tags));
   for (std::size_t i = 0; i < fit.problem.sightings.size(); ++i) {
     for (const double chi_square : chi_squares_of(fit.problem, fit.state, i)) {
-      cost += std::min(chi_square / (factor * factor), most);
+      bic += std::min(chi_square / (factor * factor), most);
     }
   }
-  return cost;
+  return bic;
 }
 
 // With tags that count linearly beyond three standard deviations, in steps: the median tag gives
@@ -224,7 +227,7 @@ BestFits best_fits(const CalibrationProblem& problem) {
   for (const RobustFit& fit : fits)
     factor = std::min(factor, robust_factor(fit.problem, fit.state));
   std::vector<double> costs;
-  for (const RobustFit& fit : fits) costs.push_back(akaike_cost(fit, factor));
+  for (const RobustFit& fit : fits) costs.push_back(robust_bic(fit, factor));
   const auto best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
   const std::size_t other = best == 0 ? 1 : 0;
   return {fits[best], fits[other], costs[other] < kComparable * kComparable * costs[best]};

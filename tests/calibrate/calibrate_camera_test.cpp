@@ -126,6 +126,41 @@ TEST_CASE("a rich form that turns back beyond the corners read does not refuse a
   CHECK(good.worst_sigmas < 4);
 }
 
+// Moves the tag that has the farthest corner outward: that corner by so many pixels, the others, as
+// a lens that bends near its border would, by much less.
+void move_outermost_tag(std::vector<BoardView>& views, const Camera& camera, double pixels) {
+  const Vector2d middle(camera.cx, camera.cy);
+  SeenBoardTag* outermost = nullptr;
+  double radius = 0;
+  for (BoardView& view : views) {
+    for (SeenBoardTag& tag : view.tags) {
+      for (Eigen::Index i = 0; i < 4; ++i) {
+        const double r = (tag.pixels.segment<2>(2 * i) - middle).norm();
+        if (r > radius) outermost = &tag;
+        radius = std::max(radius, r);
+      }
+    }
+  }
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const Vector2d way = outermost->pixels.segment<2>(2 * i) - middle;
+    outermost->pixels.segment<2>(2 * i) +=
+        pixels * std::pow(way.norm() / radius, 8) * way.normalized();
+  }
+}
+
+TEST_CASE("one tag near the border that is off does not decide the lens form") {
+  const Board board = test::plate_board();
+  const Camera camera{1280, 960, 1290, 1290, 639.5, 479.5, {-0.0737, 0.1417}};
+  Draws draws(11);
+  auto views = test::seen_boards(camera, board, 20, draws);
+  move_outermost_tag(views, camera, 0.2);
+  const auto calibration = calibrate_camera(views, {&board, 1});
+  REQUIRE(calibration.has_value());
+  check_sound(*calibration, camera);
+  CHECK(count_unused(*calibration) == 1);
+  CHECK(assess_calibration(*calibration, views, {&board, 1}).trust == CalibrationTrust::good);
+}
+
 TEST_CASE("tags that were misread or moved are left out and spoil nothing") {
   const Board board = test::plate_board();
   Draws draws(3);
