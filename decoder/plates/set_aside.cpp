@@ -176,12 +176,27 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
   return result;
 }
 
-RunCheck LiveSetAside::learn(Observation seen, const Fix& fix, const Rig& rig) {
+bool LiveSetAside::take(Observation seen, const Fix& fix) {
   constexpr std::size_t kMost = 40;
+  constexpr std::size_t kParts = 4;
+  constexpr double kMoved = 0.1;  // metres
+  const auto& position = fix.position_in_grid;
+  const bool contradicted = is_contradicted(fix);
+  if (!contradicted && position && !last_.empty() && last_.back().position) {
+    // From the same place the same errors come again: it would look as if many rows showed them.
+    if ((*position - *last_.back().position).norm() < kMoved) return false;
+  }
   seen.parts.clear();  // these point into the surveys as they were
-  last_.push_back({std::move(seen), is_contradicted(fix)});
+  last_.push_back({std::move(seen), position, contradicted});
   if (last_.size() > kMost) last_.pop_front();
-  if (std::ranges::none_of(last_, &Past::contradicted)) return {};
+  ++since_compared_;
+  const bool is_open = !suspicion_ && std::ranges::any_of(last_, &Past::contradicted);
+  return is_open || kParts * since_compared_ >= last_.size();
+}
+
+RunCheck LiveSetAside::learn(Observation seen, const Fix& fix, const Rig& rig) {
+  if (!take(std::move(seen), fix)) return {{}, {}, suspicion_};
+  since_compared_ = 0;
   std::vector<Observation> rows;
   for (const Past& past : last_) {
     rows.push_back(past.seen);
@@ -195,6 +210,10 @@ RunCheck LiveSetAside::learn(Observation seen, const Fix& fix, const Rig& rig) {
                          [&](const PlacedTag& placed) { return placed.name == aside.tag; }) == 0;
   });
   for (Past& past : last_) past.contradicted = past.contradicted && check.aside.empty();
+  // At the limit of certainty, a single row decides whether it is found.
+  if (check.suspicion || found_none_) suspicion_ = check.suspicion;
+  found_none_ = !check.suspicion;
+  check.suspicion = suspicion_;
   return check;
 }
 

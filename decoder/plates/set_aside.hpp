@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/plates/rig_suspicion.hpp"
@@ -50,19 +52,28 @@ class LiveSetAside {
   const std::vector<Survey>& surveys() const { return left_; }
 
   // Takes what a measurement showed of tags of surveys() and the position computed from it. While
-  // tags of the last measurements contradict each other, or the motion, these are compared; returns
-  // the tags that are set aside from here on, and the suspicion of the rig.
+  // tags of the last measurements contradict each other, or the motion, these are compared each
+  // time, else once a quarter of them is new; those of a vehicle that stands still count once.
+  // Returns the tags that are set aside from here on, and the suspicion of the rig, which ends when
+  // two comparisons in succession do not find it.
   RunCheck learn(Observation seen, const Fix& fix, const Rig& rig);
 
  private:
   struct Past {
     Observation seen;
+    std::optional<Eigen::Vector3d> position;
     bool contradicted = false;  // and nothing was set aside since
   };
+
+  // Adds it to the last measurements; whether it is time to compare these.
+  bool take(Observation seen, const Fix& fix);
 
   std::vector<Survey> surveys_;
   std::vector<Survey> left_;
   std::deque<Past> last_;
+  std::size_t since_compared_ = 0;           // measurements
+  bool found_none_ = false;                  // the last comparison, of suspicions
+  std::optional<RigSuspicion> suspicion_{};  // that lasts
 };
 
 }  // namespace tagsmith::detail

@@ -113,6 +113,57 @@ TEST_CASE("a drive past plates that hang as surveyed sets none aside") {
   CHECK(std::ranges::all_of(lived.fixes, [](const Fix& fix) { return !!fix.position_in_grid; }));
 }
 
+// The corridor by its left camera alone, whose focal length is stated to half a per mille.
+test::Site one_eyed_site() {
+  test::Site site = test::site_named("corridor");
+  site.rig.cameras.resize(1);
+  site.rig.cameras[0].calibration_sigma = {0.003, radians(0.1), 5e-4, 0.3, 0.02};
+  return site;
+}
+
+test::Site with_focal_length(test::Site site, double factor) {
+  site.rig.cameras[0].camera.fx *= factor;
+  site.rig.cameras[0].camera.fy *= factor;
+  return site;
+}
+
+std::ptrdiff_t count_doubted(const Lived& lived) {
+  return std::ranges::count_if(lived.fixes, [](const Fix& fix) { return !fix.doubt.empty(); });
+}
+
+TEST_CASE("a wrong focal length is named early where no measurement contradicts itself") {
+  const test::Site site = one_eyed_site();
+  for (const double factor : {0.99, 1.0, 1.01}) {
+    CAPTURE(factor);
+    const test::Site stated = with_focal_length(site, factor);
+    std::vector<Observation> rows = drive_past_hung(site, site);
+    std::erase_if(rows, [&](Observation row) {
+      const Fix fix = localize_jointly(row, {stated.survey}, stated.rig);
+      return !fix.position_in_grid || !fix.dropped.empty();
+    });
+    REQUIRE(rows.size() > 15);
+    const Lived lived = live(rows, stated);
+    if (factor == 1) {
+      CHECK(count_doubted(lived) == 0);
+      continue;
+    }
+    for (std::size_t i = 5; i < lived.fixes.size(); ++i) {
+      CAPTURE(i);
+      CHECK(lived.fixes[i].doubt.find("left: a focal length of 16") != std::string::npos);
+      CHECK(lived.fixes[i].confirmations == 0);
+    }
+  }
+}
+
+TEST_CASE("pictures of a vehicle that stands still are no evidence against its rig") {
+  const test::Site site = one_eyed_site();
+  const std::vector<Observation> rows = drive_past_hung(site, site);
+  const auto two = std::ranges::find_if(rows, [](const auto& row) { return row.tags.size() > 1; });
+  REQUIRE(two != rows.end());
+  const std::vector<Observation> still(40, *two);
+  CHECK(count_doubted(live(still, with_focal_length(site, 1.006))) == 0);
+}
+
 TEST_CASE("two plates alone in sight that hang alike locate nothing once other rows tell of them") {
   // Both of a pair 12 cm on, as from a wrong mark: by themselves they confirm each other.
   const test::Site site = wide_site();
