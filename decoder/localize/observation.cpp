@@ -84,6 +84,27 @@ void add_parts(Observation& observation, const ReadResult& result, const RigCame
 
 }  // namespace
 
+bool are_of_one_place(const Observation& first, const Observation& second) {
+  bool shown = false;
+  for (const SeenTag& seen : first.tags) {
+    if (!seen.seen_corners) continue;
+    const auto again = std::ranges::find_if(second.tags, [&](const SeenTag& other) {
+      return other.seen_corners && other.camera == seen.camera && other.survey == seen.survey &&
+             other.tag.name == seen.tag.name;
+    });
+    if (again == second.tags.end()) continue;
+    const FrameCorners& before = seen.seen_corners->corners;
+    const FrameCorners& after = again->seen_corners->corners;
+    const double limit =
+        std::max(distance(before[0], before[1]), distance(before[0], before[3])) / 4;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (distance(before[i], after[i]) > limit) return false;
+    }
+    shown = true;
+  }
+  return shown;
+}
+
 std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, const Digits& digits) {
   return find_by(surveys, digits);
 }

@@ -52,7 +52,8 @@ std::ptrdiff_t count_seeing(const Drive& drive, const Rig& rig) {
 }
 
 // The rows that can contradict themselves: those that show several tags, where there are enough.
-// Rows of a long drive are sampled evenly, because the fits take long.
+// Those of a vehicle that stands still count as one. Rows of a long drive are sampled evenly,
+// because the fits take long.
 std::vector<Observation> compared_rows(std::span<const Observation> rows) {
   constexpr std::size_t kMost = 40;
   constexpr std::size_t kEnough = 3;
@@ -61,6 +62,8 @@ std::vector<Observation> compared_rows(std::span<const Observation> rows) {
     chosen.clear();
     std::ranges::copy_if(rows, std::back_inserter(chosen),
                          [&](const Observation& row) { return row.tags.size() >= least_tags; });
+    const auto repeated = std::ranges::unique(chosen, are_of_one_place);
+    chosen.erase(repeated.begin(), repeated.end());
     if (chosen.size() >= kEnough) break;
   }
   return evenly_taken(std::move(chosen), kMost);

@@ -179,15 +179,10 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
 bool LiveSetAside::take(Observation seen, const Fix& fix) {
   constexpr std::size_t kMost = 40;
   constexpr std::size_t kParts = 4;
-  constexpr double kMoved = 0.1;  // metres
-  const auto& position = fix.position_in_grid;
   const bool contradicted = is_contradicted(fix);
-  if (!contradicted && position && !last_.empty() && last_.back().position) {
-    // From the same place the same errors come again: it would look as if many rows showed them.
-    if ((*position - *last_.back().position).norm() < kMoved) return false;
-  }
+  if (!contradicted && !last_.empty() && are_of_one_place(last_.back().seen, seen)) return false;
   seen.parts.clear();  // these point into the surveys as they were
-  last_.push_back({std::move(seen), position, contradicted});
+  last_.push_back({std::move(seen), contradicted});
   if (last_.size() > kMost) last_.pop_front();
   ++since_compared_;
   const bool is_open = !suspicion_ && std::ranges::any_of(last_, &Past::contradicted);

@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/plates/rig_suspicion.hpp"
@@ -61,7 +59,6 @@ class LiveSetAside {
  private:
   struct Past {
     Observation seen;
-    std::optional<Eigen::Vector3d> position;
     bool contradicted = false;  // and nothing was set aside since
   };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/localize/observation.hpp"
 
+#include <utility>
+#include <vector>
+
 #include <doctest/doctest.h>
 
 using namespace tagsmith::detail;
@@ -26,4 +29,28 @@ TEST_CASE("what a lens is warped by falls with the third power of the distance f
   CHECK(covariance(0, 2) > 0);
   CHECK(covariance(0, 2) < 0.4 * 0.05);
   CHECK(covariance(0, 6) < 1e-6);
+}
+
+TEST_CASE("measurements are of one place where their tags lie as they lay") {
+  const auto seen_at = [](const char* camera, const char* name, double x) {
+    SeenTag seen;
+    seen.camera = camera;
+    seen.tag.name = name;
+    seen.seen_corners = SeenCorners{{{{x, 100}, {x + 120, 100}, {x + 120, 160}, {x, 160}}}, 0.1};
+    return seen;
+  };
+  Observation first;
+  first.tags = {seen_at("left", "000L", 100), seen_at("left", "001L", 300)};
+  const auto is_same = [&](std::vector<SeenTag> tags) {
+    Observation second;
+    second.tags = std::move(tags);
+    return are_of_one_place(first, second);
+  };
+  CHECK(is_same(first.tags));
+  CHECK(is_same({seen_at("left", "000L", 120)}));
+  CHECK_FALSE(is_same({seen_at("left", "000L", 135)}));
+  CHECK_FALSE(is_same({seen_at("left", "000L", 100), seen_at("left", "001L", 340)}));
+  CHECK_FALSE(is_same({seen_at("right", "000L", 100)}));
+  CHECK_FALSE(is_same({seen_at("left", "002L", 100)}));
+  CHECK_FALSE(is_same({}));
 }

@@ -184,6 +184,17 @@ TEST_CASE("nothing is suspected within what the rig states of its own accuracy")
   CHECK_FALSE(suspect_rig(seen.rows, seen.site.survey, rough));
 }
 
+TEST_CASE("a vehicle that stands still shows the same errors again, which accuse no rig") {
+  const Seen seen = corridor_seen(18);
+  Rig stated = seen.site.rig;
+  mount(stated, 0, 45, 0, 0, Vector3d::Zero());
+  CHECK(suspect_rig(seen.rows, seen.site.survey, stated));
+  for (const Observation& row : seen.rows) {
+    const std::vector<Observation> still(40, row);
+    CHECK_FALSE(suspect_rig(still, seen.site.survey, stated));
+  }
+}
+
 TEST_CASE("with one camera alone the template may be wrong instead of the focal length") {
   Seen seen = corridor_seen(19);
   Rig wrong = seen.site.rig;
