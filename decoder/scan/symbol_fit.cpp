@@ -177,9 +177,10 @@ FitEquations minimise(const ScanProfile& profile, const Digits& digits, const Im
   return found;
 }
 
-// How the darkness changes with the third central moment of the point spread, in standard
-// deviations, times -6 and by the square of the blur: as the change with the blur's logarithm does
-// along the profile.
+// A third central moment m of the point spread changes the darkness by -m / 6 times its third
+// derivative along the profile. That derivative times the square of the blur, in standard
+// deviations: how the change with the blur's logarithm, which is the square of the blur times the
+// second derivative, changes from place to place.
 std::vector<double> by_third_moment(const ScanProfile& profile,
                                     const std::vector<WeighedPlace>& places) {
   const auto by_blur = [&](std::size_t i) {
