@@ -111,23 +111,14 @@ class PlateSearch {
     return in_place;
   }
 
-  // What the station shows of these plates.
-  static Station limited_to(Station station, const std::set<std::size_t>& plates) {
-    std::erase_if(station.sightings,
-                  [&](const Sighting& seen) { return !plates.contains(seen.plate); });
-    return station;
-  }
-
   void take_copies_apart() {
     if (found_.problem.unseen.empty()) return;
     const std::set<std::size_t> in_place = plates_in_place();
     for (Station& station : found_.problem.stations) {
-      // A plate that agrees with most others nowhere hangs elsewhere itself, and tells of no copy.
-      const Station believed = limited_to(station, in_place);
       for (Sighting& seen : station.sightings) {
         if (seen.plate == given_.plate || !in_place.contains(seen.plate)) continue;
-        if (agrees_with_most(believed, seen, seen.plate)) continue;
-        const SightedPlate* place = place_that_agrees(believed, seen);
+        if (agrees_with_most(station, seen, seen.plate)) continue;
+        const SightedPlate* place = place_that_agrees(station, seen);
         if (place != nullptr) seen.plate = copy_in(seen.plate, *place);
       }
     }
