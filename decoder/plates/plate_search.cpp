@@ -500,6 +500,10 @@ std::vector<Station> apart(const Station& station) {
 }
 
 PlateExplanation explain(AdjustmentProblem problem, const Given& given) {
+  PlateExplanation found = PlateSearch(problem, given).run();
+  if (found.adjustment || found.copies.empty()) return found;
+  // A plate in the place of another also looks as if the one beside it were a second copy.
+  problem.unseen.clear();
   return PlateSearch(std::move(problem), given).run();
 }
 

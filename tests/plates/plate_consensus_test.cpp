@@ -652,4 +652,23 @@ TEST_CASE("a plate of another size that is seen from two places is told to hang 
   CHECK(farthest_corner(problem.plates[small], *check.offset) < 0.005);
 }
 
+TEST_CASE("a plate in the place of another makes no copy of the plate that it is seen with") {
+  const CorridorHungByEye site;
+  std::mt19937_64 random(19);
+  AdjustmentProblem problem = drive(site);
+  problem.stations.push_back(seen_from(site, -0.6, {"001L", "001R"}, random));
+  const std::size_t stray = site.index("006L");
+  for (Station& station : problem.stations) {
+    for (Sighting& sighting : station.sightings) {
+      if (sighting.plate == site.index("001L")) sighting.plate = stray;
+    }
+  }
+  problem.unseen = {problem.plates[site.index("001L")], problem.plates[site.index("006R")]};
+  const Consensus consensus = find_consensus(problem);
+  CHECK_FALSE(consensus.nothing_fits);
+  CHECK(consensus.copies.empty());
+  CHECK(consensus.left_out.empty());
+  CHECK(consensus.plates[stray].verdict == HangVerdict::off);
+}
+
 }  // namespace tagsmith::detail
