@@ -195,24 +195,21 @@ std::vector<double> by_third_moment(const ScanProfile& profile,
   return by_moment;
 }
 
-// One more parameter, eliminated from the others (a Schur complement).
+// One more parameter beside those of `normal`, which are eliminated (a Schur complement).
 void measure_lopsidedness(const ScanProfile& profile, const FitEquations& normal,
                           const Eigen::LDLT<ParameterMatrix>& solver, double noise, double pixel,
                           SeenPlaces& seen) {
   const std::vector<double> by_moment = by_third_moment(profile, normal.places);
   double information = 0, right = 0;
-  Parameters shared = Parameters::Zero(), others = Parameters::Zero();
+  Parameters shared = Parameters::Zero();
   for (std::size_t i = 0; i < by_moment.size(); ++i) {
-    const Parameters by_parameter = normal.places[i].by_parameter.cast<double>();
-    const auto residual = static_cast<double>(normal.places[i].residual);
     information += by_moment[i] * by_moment[i];
-    right += by_moment[i] * residual;
-    shared += by_moment[i] * by_parameter;
-    others += residual * by_parameter;
+    right += by_moment[i] * static_cast<double>(normal.places[i].residual);
+    shared += by_moment[i] * normal.places[i].by_parameter.cast<double>();
   }
   const Parameters eliminated = solver.solve(shared);
   information -= shared.dot(eliminated);
-  right -= others.dot(eliminated);
+  right -= normal.right.dot(eliminated);
   const double blur = std::exp(2 * normal.at[kLogBlur]);
   const double scale = 6 * blur / (blur + pixel * pixel / 12);
   seen.lopsided = -scale * right / information;
