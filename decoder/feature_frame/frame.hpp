@@ -32,6 +32,7 @@ enum class FrameFault {
   no_fit,          // a side's edge cannot be fitted near where it was
   not_closed,      // the sides do not meet in four corners
   covered,         // fewer than two sides are visible
+  crossed,         // its sides are lines that cross, as wires do
 };
 
 template <class T>

@@ -318,7 +318,6 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
                                              const std::array<bool, 4>& shown, double hidden_sigma,
                                              const LensDistortion& lens, const FrameShape& shape,
                                              bool was_sharpened) {
-  constexpr std::ptrdiff_t kLeastShown = 2;
   std::array<SideLine, 4> lines{};
   RefinedFrame frame;
   frame.lens = lens;
@@ -339,7 +338,7 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
     frame.sides[i].covariance += off_by_bow(doubt * doubt);
     most_doubt = std::max(most_doubt, doubt);
   }
-  if (std::ranges::count(frame.shown, true) < kLeastShown) {
+  if (std::ranges::count(frame.shown, true) < 2) {
     return fail(FrameFault::covered);
   }
   for (std::size_t i = 0; i < 4; ++i) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "decoder/feature_frame/crossing_lines.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/located_bars.hpp"
@@ -116,8 +117,11 @@ bool Detector::look_at_settled(const PyramidLevel& level, const CoarseFrame& set
   if (found_.is_read(quad)) return true;
   if (found_.was_proposed(Source::outline, quad)) return false;
   const GrayView stored = as_stored(quad);
-  const FrameResult<RefinedFrame> frame =
+  FrameResult<RefinedFrame> frame =
       refine_frame(stored, quad, lens_for(level, settled), typical_.frame);
+  if (frame && lies_between_crossing_lines(stored, *frame, typical_.frame)) {
+    frame = fail(FrameFault::crossed);
+  }
   const bool is_new = frame && !found_.was_fitted(*frame);
   TagHypothesis hypothesis;
   if (is_new) {

@@ -131,6 +131,19 @@ bool has_bars(const Decoding& decoding) {
 
 }  // namespace
 
+bool suits_its_frame(const SymbolHypothesis& symbol) {
+  constexpr double kLeastModule = 0.3;  // pixels; of narrower ones nothing is seen
+  const double module = symbol.profile.module_px;
+  if (module < kLeastModule) return false;
+  if (is_symbol_like(symbol)) return true;
+  const auto alike = [](double a, double b) { return std::abs(std::log(a / b)) < 1; };
+  const ImagingModel& bars = symbol.decoding.fit.image;
+  const auto as_sharp_as = [&](std::size_t side) {
+    return alike(bars.blur * module, symbol.frame.sides[side].blur_px);
+  };
+  return alike(bars.black - bars.white, 1) && (as_sharp_as(1) || as_sharp_as(3));
+}
+
 bool may_be_symbol(const SymbolHypothesis& symbol) {
   constexpr double kHalfExplained = 0.5;  // what glare leaves of a tag, and hardly a wall shows
   const Decoding& decoding = symbol.decoding;

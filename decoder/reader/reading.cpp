@@ -20,6 +20,8 @@ std::string describe(FrameFault fault) {
       return "feature frame: its sides do not close";
     case FrameFault::covered:
       return "feature frame: most of it is covered";
+    case FrameFault::crossed:
+      return "feature frame: its sides go on beyond the corners";
   }
   return {};
 }

@@ -18,11 +18,20 @@ bool same_frame(const Quad& a, const Quad& b) {
   return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
 }
 
+// Whether a symbol was refused for how it looks, before its digits were doubted.
+bool is_refused_for_its_looks(const Rejection& rejection) {
+  using enum RejectionReason;
+  return rejection.reason == guard_pattern || rejection.reason == element_widths ||
+         rejection.reason == growth || rejection.reason == blur;
+}
+
 // Outlines that are no tag are listed separately from refused tags.
 bool is_passed_over(const Rejection& rejection) {
-  return rejection.reason == RejectionReason::frame_fault ||
-         rejection.reason == RejectionReason::no_guards ||
-         (rejection.symbol && !may_be_symbol(*rejection.symbol));
+  if (rejection.reason == RejectionReason::frame_fault) return true;
+  if (rejection.reason == RejectionReason::no_guards) return true;
+  if (!rejection.symbol) return false;
+  return !may_be_symbol(*rejection.symbol) ||
+         (is_refused_for_its_looks(rejection) && !suits_its_frame(*rejection.symbol));
 }
 
 }  // namespace

@@ -182,6 +182,23 @@ TEST_CASE("what is no frame is told where that is wanted, with its fault") {
   }
 }
 
+TEST_CASE("what lies between crossing wires is passed over before anything is read in it") {
+  ReadOptions options;
+  options.tell_passed_over = true;
+  SeenTag tag = seen_aslant();
+  constexpr double kFar = 200;
+  tag.covers = {{-kFar, SeenTag::kTop - tag.stroke, kFar, SeenTag::kTop, tag.black},
+                {-kFar, tag.bottom(), kFar, tag.bottom() + tag.stroke, tag.black},
+                {SeenTag::kLeft - tag.stroke, -kFar, SeenTag::kLeft, kFar, tag.black}};
+  Looked looked(tag, options);
+  looked.detector.consider(looked.outline());
+  const ReadResult result = looked.detector.result();
+  CHECK(result.tags.empty());
+  CHECK(result.rejected.empty());
+  REQUIRE(result.passed_over.size() == 1);
+  CHECK(result.passed_over[0].fault == FrameFault::crossed);
+}
+
 TEST_CASE("a refused frame that may be covered is read by a careful look") {
   Looked looked(half_hidden());
   looked.detector.consider(looked.outline());

@@ -110,6 +110,35 @@ TEST_CASE("what growth or blur leave no bars of is told as a tag only where bars
   CHECK(may_be_symbol(blurred));
 }
 
+TEST_CASE("bars suit a frame that is as sharp and as black as they are") {
+  const DrawnSymbol symbol(kDrawnDigits, 3);
+  const auto found = quick_hypothesis(symbol.image.view(), symbol.frame(), {});
+  REQUIRE(found);
+  SymbolHypothesis plain = *found;
+  plain.decoding.guards = 0.5;  // no symbol by itself
+  const double blur = plain.decoding.fit.image.blur * plain.profile.module_px;
+  for (FrameSide& side : plain.frame.sides) side.blur_px = blur;
+  CHECK(suits_its_frame(plain));
+  for (const double factor : {0.3, 3.0}) {
+    SymbolHypothesis other = plain;
+    for (FrameSide& side : other.frame.sides) side.blur_px = factor * blur;
+    CHECK(!suits_its_frame(other));
+    // One of the two strokes along the bars is enough: something may cover the other.
+    other.frame.sides[3].blur_px = blur;
+    CHECK(suits_its_frame(other));
+    other = plain;
+    other.decoding.fit.image.black = other.decoding.fit.image.white + factor;
+    CHECK(!suits_its_frame(other));
+  }
+  SymbolHypothesis like_symbol = plain;
+  like_symbol.decoding.guards = 0.9;
+  for (FrameSide& side : like_symbol.frame.sides) side.blur_px = 3 * blur;
+  CHECK(suits_its_frame(like_symbol));
+  // Too small for anything to be seen of a symbol.
+  like_symbol.profile.module_px = 0.25;
+  CHECK(!suits_its_frame(like_symbol));
+}
+
 TEST_CASE("a hidden side is where the bars put it") {
   const DrawnSymbol symbol(kDrawnDigits, 3);
   RefinedFrame frame = symbol.frame();

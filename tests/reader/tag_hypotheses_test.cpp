@@ -101,9 +101,14 @@ TEST_CASE("each frame is told once, and none as refused that was read") {
 }
 
 TEST_CASE("a frame around what is no symbol is not told as a tag that cannot be read") {
-  const auto is_told = [](double explained, double guards, double black) {
-    TagHypothesis refused = refused_at(kPlate, RejectionReason::guard_pattern);
-    Decoding& decoding = std::get<Rejection>(refused.outcome).symbol.emplace().decoding;
+  RejectionReason reason = RejectionReason::guard_pattern;
+  double module_px = 2;
+  const auto is_told = [&](double explained, double guards, double black) {
+    TagHypothesis refused = refused_at(kPlate, reason);
+    SymbolHypothesis& symbol = std::get<Rejection>(refused.outcome).symbol.emplace();
+    symbol.profile.module_px = module_px;
+    Decoding& decoding = symbol.decoding;
+    for (FrameSide& side : symbol.frame.sides) side.blur_px = 2 * decoding.fit.image.blur;
     decoding.fit.explained = explained;
     decoding.guards = guards;
     decoding.fit.image.black = black;
@@ -118,6 +123,11 @@ TEST_CASE("a frame around what is no symbol is not told as a tag that cannot be 
   CHECK(is_told(0.8, 0.4, 0.9));   // covered where a guard pattern is
   CHECK(!is_told(0.3, 0.5, 2));    // the bars of a grating
   CHECK(!is_told(0.5, 0.8, 0.2));  // hardly darker than the white of the frame, as a wall is
+  CHECK(!is_told(0.8, 0.4, 3));    // much darker than the strokes around them
+  module_px = 0.25;
+  CHECK(!is_told(0.85, 0.95, 1));  // too small for bars to be seen
+  reason = RejectionReason::doubtful;
+  CHECK(is_told(0.95, 0.95, 1));  // but digits explain them
 }
 
 TEST_CASE("what began or was fitted in the same place is known") {

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Outlines that lines which cross have between them, as the wires of a mesh, and no feature frame.
+#pragma once
+
+#include "decoder/feature_frame/frame.hpp"
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+
+namespace tagsmith::detail {
+
+// Whether at least half of the eight ends of a frame's strokes go on beyond the corners as dark
+// lines. A printed stroke ends there, in the white margin of its plate.
+bool lies_between_crossing_lines(const GrayView& image, const RefinedFrame& frame,
+                                 const FrameShape& shape = {});
+
+}  // namespace tagsmith::detail
