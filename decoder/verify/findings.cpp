@@ -22,7 +22,7 @@ namespace tagsmith::detail {
 namespace {
 
 // The beginning of the message on an unreadable tag.
-constexpr std::string_view kUnread = "a tag was found and could not be read: ";
+constexpr std::string_view kUnread = "what looks like a tag could not be read: ";
 
 // "digit 5 (found 3, expected 8), digit 12 (...)": where two codes differ, counted from 1.
 std::string difference_in_words(const Digits& found, const Digits& expected) {
