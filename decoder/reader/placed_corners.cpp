@@ -405,7 +405,8 @@ PlacedCorners moved_to_bars(const SymbolHypothesis& symbol, const SeenOutwards& 
     // One of the two is wrong: the frame stays; the place that the bars give is as likely.
     const CornerVector apart =
         correction_by(seen, before, found.chi_square * placed.covariance).moved;
-    placed.covariance = excess * placed.covariance + apart * apart.transpose();
+    placed.covariance = excess * placed.covariance + apart * apart.transpose() +
+                        CornerCovariance::Identity() * (apart.squaredNorm() / 8);
     return placed;
   }
   placed.covariance = excess * (placed.covariance - found.gained);

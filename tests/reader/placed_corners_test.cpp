@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include <Eigen/Eigenvalues>
 #include <doctest/doctest.h>
 
 #include "decoder/reader/symbol_hypothesis.hpp"
@@ -81,6 +82,21 @@ TEST_CASE("upper and lower sides that the bars' ends contradict are not sure of 
   const double off = placed.corners[0].y - drawn.frame().corners[0].y;
   CHECK(off * off < 9 * placed.covariance(1, 1));
   CHECK(corner_covariance(symbol.frame)(1, 1) < 0.01);
+}
+
+TEST_CASE(
+    "a frame that contradicts its bars, as a bent plate's does, is unsure in all directions") {
+  const DrawnSymbol drawn(kDrawnDigits, 3);
+  for (const double off : {0.5, 2.0}) {
+    CAPTURE(off);
+    SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.03);
+    symbol.frame.corners[2].x += off;
+    const PlacedCorners placed = placed_in(drawn, symbol);
+    const Eigen::SelfAdjointEigenSolver<CornerCovariance> axes(placed.covariance);
+    const Eigen::VectorXd sigmas = axes.eigenvalues().cwiseSqrt();
+    CHECK(sigmas.maxCoeff() > off);
+    CHECK(sigmas.minCoeff() > 0.35 * sigmas.maxCoeff());
+  }
 }
 
 TEST_CASE("a side beside which something else has its edge is as unsure as the bars' ends say") {
