@@ -151,9 +151,8 @@ void draw_wall(Sketch& sketch, const Survey& survey, const PlanStrip& strip, con
         .add(Polyline{{foot, {foot, Vector2d(0, -0.0012)}}, {colours::kBlue, kNarrow, {}}});
     sketch.layer("centerline")
         .add(Words{.text = format_number(chainage, 3),
-                   .at = {foot, Vector2d(0, -0.0017)},
+                   .at = {foot, Vector2d(0.0006, -0.0017)},
                    .height = 0.0014,
-                   .align = TextAlign::centre,
                    .level = TextLevel::top,
                    .colour = colours::kBlue});
   }
@@ -243,23 +242,26 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
   });
   std::ranges::stable_sort(
       along, {}, [&](const SettingOut& place) { return wall.on_plate(*place.tag, 0, 0).x(); });
+  constexpr double kChain = 0.0112;  // below the floor, with room for an upright distance
+  constexpr double kLines = 0.0127;
   std::optional<Vector2d> last;  // foot
   const PlacedTag* last_tag = nullptr;
   for (const SettingOut& place : along) {
     const Vector2d p = wall.on_plate(*place.tag, 0, 0);
     const Vector2d foot(p.x(), 0);
-    layer.add(Polyline{{p, {foot, Vector2d(0, -0.0055)}}, {.width = kExtraNarrow}});
-    const auto say = [&](const std::string& text, double right) {
-      layer.add(Words{.text = text,
-                      .at = {foot, Vector2d(right, -0.0055)},
-                      .angle = std::numbers::pi / 2,
-                      .align = TextAlign::right,
-                      .level = TextLevel::middle});
-    };
-    say(to_millimetre(place.chainage), -0.0018);
-    say("h " + to_millimetre(place.height), 0.0018);
+    layer.add(Polyline{{p, {foot, Vector2d(0, -kLines)}}, {.width = kExtraNarrow}});
+    layer.add(Words{.text = to_millimetre(place.chainage) + " h " + to_millimetre(place.height),
+                    .at = {foot, Vector2d(0, -kLines - kWordsHeight / 2)},
+                    .angle = std::numbers::pi / 2,
+                    .align = TextAlign::right,
+                    .level = TextLevel::middle,
+                    .in_row = true});
     if (last) {
-      add_dimension(layer, *last, foot, -0.020, to_millimetre(distance(*last_tag, *place.tag)));
+      layer.add(Dimension{.from = *last,
+                          .to = foot,
+                          .offset = -kChain,
+                          .text = to_millimetre(distance(*last_tag, *place.tag)),
+                          .in_chain = true});
     }
     last = foot;
     last_tag = place.tag;

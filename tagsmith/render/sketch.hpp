@@ -124,6 +124,7 @@ struct Words {
   TextAlign align = TextAlign::left;
   TextLevel level = TextLevel::baseline;
   Colour colour{};
+  bool in_row = false;  // upright ones of a row: make room for each other aside
 };
 
 // A line whose end has a filled arrowhead; head length in metres on paper.
@@ -136,13 +137,15 @@ struct Arrow {
 
 // A dimension line with arrows, extension lines and its text (ISO 129-1). It runs `offset` metres
 // on paper to the left of the way from `from` to `to`, or to the right when negative. Where the
-// arrows do not fit between the extension lines, they are placed outside.
+// arrows do not fit between the extension lines, they are placed outside. In a chain, where others
+// follow on both ends, oblique strokes take their place, and a text wider than the line is upright.
 struct Dimension {
   SketchPoint from{Eigen::Vector2d::Zero()};
   SketchPoint to{Eigen::Vector2d::Zero()};
   double offset = 0.008;
   std::string text;
   Colour colour{};
+  bool in_chain = false;
 };
 
 using SketchItem = std::variant<Area, Polyline, Ellipse, Dot, Arrow, Words, Dimension, Picture>;

@@ -129,10 +129,7 @@ class Drafter {
     add_arrow(on_paper(arrow.from), on_paper(arrow.to), arrow.line, arrow.head);
   }
 
-  void operator()(const Words& words) {
-    add_words(words.text, on_paper(words.at), words.height, words.angle, words.align, words.level,
-              words.colour);
-  }
+  void operator()(const Words& words) { add_words(words, on_paper(words.at)); }
 
   void operator()(const Picture& picture) {
     const Vector2d at = on_paper(picture.at);
@@ -162,6 +159,13 @@ class Drafter {
       add_head(to + shift, from + shift, dimension.colour, kHead);
     } else {
       add_line({from + shift, to + shift}, line);
+    }
+    if (!room && dimension.in_chain) {
+      const Vector2d stroke = (along + turned_left(along)) * kHead / 4;
+      for (const Vector2d& end : {from, to}) {
+        add_line({end + shift - stroke, end + shift + stroke}, line);
+      }
+    } else if (!room) {
       add_arrow(from + shift - along * 2.2 * kHead, from + shift, line, kHead);
       add_arrow(to + shift + along * 2.2 * kHead, to + shift, line, kHead);
     }
@@ -174,22 +178,30 @@ class Drafter {
   static constexpr double kExtensionOver = 0.0015;
   static constexpr double kDimensionText = 0.0018;
 
-  // Above the line's middle; beyond its end where that is too short.
+  // Above the line's middle; beyond its end where that is too short, or upright in a chain.
   void add_dimension_text(const Dimension& dimension, const Vector2d& from, const Vector2d& to,
                           bool arrows_inside) {
     const double angle = reading_angle(to - from);
     const Vector2d reading = direction_at(angle);
     const Vector2d up = turned_left(reading);
     const double length = (to - from).norm();
-    if (text_width(dimension.text, kDimensionText) <= length) {
-      add_words(dimension.text, (from + to) / 2 + up * 0.0007, kDimensionText, angle,
-                TextAlign::centre, TextLevel::baseline, dimension.colour);
-      return;
+    const Vector2d above = (from + to) / 2 + up * 0.0007;
+    Words words{.text = dimension.text,
+                .height = kDimensionText,
+                .angle = angle,
+                .level = TextLevel::middle,
+                .colour = dimension.colour};
+    if (text_width(words.text, words.height) <= length) {
+      words.align = TextAlign::centre;
+      words.level = TextLevel::baseline;
+      return add_words(words, above);
+    }
+    if (dimension.in_chain) {
+      words.angle += kPi / 2;
+      return add_words(words, above);
     }
     const Vector2d last = (to - from).dot(reading) > 0 ? to : from;
-    const double clear = arrows_inside ? 0.0015 : 2.6 * kHead;
-    add_words(dimension.text, last + reading * clear, kDimensionText, angle, TextAlign::left,
-              TextLevel::middle, dimension.colour);
+    add_words(words, last + reading * (arrows_inside ? 0.0015 : 2.6 * kHead));
   }
 
   Vector2d on_paper(const SketchPoint& point) const {
@@ -230,18 +242,24 @@ class Drafter {
              colour);
   }
 
-  void add_words(const std::string& text, const Vector2d& at, double height, double angle,
-                 TextAlign align, TextLevel level, const Colour& colour) {
+  void add_words(const Words& words, const Vector2d& at) {
+    const auto& [text, unused, height, angle, align, level, colour, in_row] = words;
     const double width = text_width(text, height);
     const Vector2d reading = direction_at(angle);
     const Vector2d down = -turned_left(reading);
     const double back = align == TextAlign::left ? 0 : align == TextAlign::centre ? 0.5 : 1;
     const double drop = level == TextLevel::baseline ? 0 : level == TextLevel::middle ? 0.5 : 1;
     Vector2d start = at - reading * (width * back) + down * (height * drop);
+    const Vector2d away = reading * (align == TextAlign::right ? -1 : 1);
     const Vector2d by = room_.take({start, reading * width, down * -height},
-                                   moves_of(reading, height, align == TextAlign::right));
+                                   moves_of(reading, away, height, in_row));
     start += by;
-    if (std::abs(by.dot(reading)) > height) add_line({at, at + by}, {colours::kGrey, kExtraNarrow});
+    if (in_row && !by.isZero()) {
+      add_line({at - away * (height / 2), at + by}, {colours::kGrey, kExtraNarrow});
+    } else if (std::abs(by.dot(reading)) > height) {
+      const Vector2d beside = at + down * (height * 0.65);  // the words that had the place
+      add_line({beside, beside + by}, {colours::kGrey, kExtraNarrow});
+    }
     for (const double along : {0.0, width}) {
       for (const double below : {-kTextAscent, kTextDescent}) {
         result_.bounds.extend(start + reading * along + down * (height * below));
@@ -252,15 +270,17 @@ class Drafter {
   }
 
   // The places to which words may move, the nearest first, when their own place is occupied: lines
-  // up or down the sheet, and upright words away from the object that they name.
-  static std::vector<Vector2d> moves_of(const Vector2d& reading, double height, bool ends_there) {
+  // up or down the sheet, and upright words `away` from the object that they name, or aside in a
+  // row.
+  static std::vector<Vector2d> moves_of(const Vector2d& reading, const Vector2d& away,
+                                        double height, bool in_row) {
     constexpr int kMostLines = 40;
-    const bool upright = std::abs(reading.y()) > 0.7;
+    const bool moves_away = std::abs(away.y()) > 0.7 && !in_row;
     std::vector<Vector2d> moves;
     for (int i = 1; i <= kMostLines; ++i) {
       const double by = 0.6 * height * i;
-      if (upright) {
-        moves.emplace_back(reading * (ends_there ? -by : by));
+      if (moves_away) {
+        moves.emplace_back(away * by);
       } else {
         moves.emplace_back(turned_left(reading) * by);
         moves.emplace_back(turned_left(reading) * -by);

@@ -118,6 +118,50 @@ TEST_CASE("no words of a setting-out or a survey's drawing stand over others") {
   }
 }
 
+TEST_CASE("distances of tags that hang close among distant ones are written over their own gaps") {
+  const TemporaryFolder folder;
+  std::string text = R"(survey: face
+tunnel: { width: 3, height: 3, centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 200 } ] } }
+tags: { template: tag-a4 }
+code: { check_digit: gs1, resolution: 0.1, digits: [4, 5, 2], origin: [-5, -1, 0] }
+placed:
+)";
+  std::vector<double> places{13.1, 13.6, 14.1, 14.6};
+  for (double y = 1; y < 200; y += 10) places.push_back(y);
+  int pair = 0;
+  for (const double y : places) {
+    text += fmt::format("  - {{ tag: {:03}L, side: left, p: [-1.5, {}, 1.0] }}\n", pair++, y);
+  }
+  const auto path = folder.path() / "survey.yaml";
+  REQUIRE(write_file(path, text));
+  const Survey survey = load_survey(path).value();
+  std::vector<const PlacedTag*> tags;
+  for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
+  const auto drawing =
+      setting_out_drawing(survey, setting_out(survey, tags, 0.005), "abc", Paper::a3).value();
+  for (const std::string& pair_of_words : collisions(drawing)) FAIL_CHECK(pair_of_words);
+  std::vector<Vector2d> labels;
+  std::vector<SheetText> distances;
+  for (const SheetLayer& layer : drawing.front().layers) {
+    for (const SheetItem& item : layer.items) {
+      const auto* words = std::get_if<SheetText>(&item);
+      if (words == nullptr) continue;
+      if (words->text == "0.500") distances.push_back(*words);
+      if (words->text.starts_with("13.") || words->text.starts_with("14.")) {
+        labels.push_back(words->at);
+      }
+    }
+  }
+  std::ranges::sort(labels, {}, [](const Vector2d& at) { return at.x(); });
+  REQUIRE(labels.size() == 4);
+  REQUIRE(distances.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(distances[i].at.x() > labels[i].x());
+    CHECK(distances[i].at.x() < labels[i + 1].x());
+    CHECK(distances[i].at.y() == doctest::Approx(distances[0].at.y()));
+  }
+}
+
 TEST_CASE("the grid's origin in a strip does not make the setting-out's scale coarser") {
   const TemporaryFolder folder;
   std::string text = R"(survey: near
