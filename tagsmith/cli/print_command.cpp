@@ -15,7 +15,6 @@
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
-#include "tagsmith/render/tag_text.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/survey/read_printer.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -123,13 +122,6 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   return style;
 }
 
-// Whether a label's line is cut before its end. The last one, which by usual lines has the
-// revision, counts only where it has the code's `digits`.
-bool is_cut_line(const TextItem& line, bool is_last, const std::string& digits) {
-  if (is_last && line.text.find(digits) == std::string::npos) return false;
-  return is_cut({.text = line.text, .height = line.height, .max_width = line.max_width});
-}
-
 // The plate's area that a line of the label covers.
 Rectangle area_of(const TextItem& line) {
   const double length = std::min(text_width(line.text, line.height), line.max_width);
@@ -153,12 +145,12 @@ bool is_drilled_label(const TagDrawing& drawing) {
 std::string missing_on_label(const PrintJob& job, const PlacedTag& tag) {
   const TagDrawing drawing = printed_drawing(job, tag);
   const std::vector<TextItem>& label = drawing.label;
-  const std::string digits = grouped_digits(job.survey->code, tag.digits);
   for (const TextItem& line : label) {
-    if (!is_cut_line(line, &line == &label.back(), digits)) continue;
+    if (!is_cut({.text = line.text, .height = line.height, .max_width = line.max_width})) continue;
     return fmt::format(
-        "the label of {} has no room for all of `{}`: more label.lines of fewer words, or a wider "
-        "strip beside or below the feature frame",
+        "the label of {} has no room for all of `{}`, which ends early: a shorter name of the "
+        "survey, more label.lines of fewer words, or a wider strip beside or below the feature "
+        "frame",
         tag.name, line.text);
   }
   for (const TextItem& line : label) {

@@ -256,3 +256,19 @@ TEST_CASE("names in any script and paths that need quoting stay whole in the man
   CHECK(csv.find(name + ",\"" + temporary.path().string() + "/a, \"\"b\"\".yaml\",000L,") !=
         std::string::npos);
 }
+
+TEST_CASE("a survey's name that leaves the label no room for its revision is told") {
+  const TemporaryFolder temporary;
+  const std::string path = (temporary.path() / "survey.yaml").string();
+  const auto printed = [&](std::size_t length) {
+    std::string survey = read_file(kCorridor).value();
+    survey.replace(survey.find("survey: corridor"), 16, "survey: " + std::string(length, 'M'));
+    REQUIRE(write_file(path, survey));
+    const ProgramOutput output =
+        print(path, temporary.path() / std::to_string(length), "--tags 000L --no-setting-out");
+    CHECK(output.exit_code == 0);
+    return output.err;
+  };
+  CHECK(printed(20) == "");
+  CHECK(printed(150).find("the label of 000L has no room for all of `MMM") != std::string::npos);
+}
