@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -613,29 +614,43 @@ ChainageProfile through(std::vector<ProfileStation> stations) {
   return ChainageProfile(simplified(merged));
 }
 
-// A plate that faces along the drive rather than across it hangs on no wall.
-bool hangs_on_wall(const SurveyedPoint& point, const Grid& grid, double drive_heading) {
+// Where the wall is behind a point of it or behind a plate: at both ends of a plate whose facing is
+// stated, so that a step before the next plate leaves this one on its wall. A plate that faces
+// along the drive rather than across it hangs on no wall.
+std::vector<ProfileStation> stations_of(const SurveyedPoint& point, const Vector3d& p,
+                                        const CenterlineAddress& address, const Grid& grid,
+                                        const Centerline& line, const TagTemplate& tag) {
   constexpr double kMostTurned = radians(20);
-  if (!point.attitude || !point.attitude->facing) return true;
+  if (!point.attitude || !point.attitude->facing) return {{address.chainage, address.offset}};
   const double away = side_of(point.kind) == -1 ? radians(90) : radians(-90);
   const double facing = world_heading_from_grid(grid, *point.attitude->facing);
-  return std::abs(std::remainder(facing - drive_heading - away, 2 * std::numbers::pi)) <
-         kMostTurned;
+  const double turned =
+      std::remainder(facing - line.at(address.chainage).heading - away, 2 * std::numbers::pi);
+  if (std::abs(turned) >= kMostTurned) return {};
+  const Vector3d along = -right_of(facing);  // as a viewer sees the plate, to the right
+  const Vector3d middle = p + along * tag.frame_inner_length / 2;
+  std::vector<ProfileStation> stations;
+  for (const double right : {-tag.plate_length / 2, tag.plate_length / 2}) {
+    const CenterlineAddress end = line.locate((middle + along * right).head<2>());
+    stations.push_back({end.chainage, end.offset});
+  }
+  return stations;
 }
 
 // The wall through the points of one side of the center line.
 Result<ChainageProfile> wall_through(const std::vector<SurveyedPoint>& points, const Grid& grid,
-                                     const Centerline& line, Side side) {
+                                     const TagTemplate& tag, const Centerline& line, Side side) {
   const int wanted = side == Side::left ? -1 : 1;
   std::vector<ProfileStation> stations;
   for (const SurveyedPoint& point : points) {
     if (side_of(point.kind) != wanted) continue;
-    const CenterlineAddress address = line.locate(world_from_grid(grid, point.in_grid).head<2>());
+    const Vector3d p = world_from_grid(grid, point.in_grid);
+    const CenterlineAddress address = line.locate(p.head<2>());
     if (wanted * address.offset <= 0) {
       return fail(in_words(point) + " lies on the other side of the center line");
     }
-    if (!hangs_on_wall(point, grid, line.at(address.chainage).heading)) continue;
-    stations.push_back({address.chainage, address.offset});
+    std::ranges::copy(stations_of(point, p, address, grid, line, tag),
+                      std::back_inserter(stations));
   }
   if (stations.empty()) {
     return fail("no points on the " + to_string(side) + " wall: tags there look along the drive");
@@ -644,9 +659,9 @@ Result<ChainageProfile> wall_through(const std::vector<SurveyedPoint>& points, c
 }
 
 Result<void> measure_walls(Tunnel& tunnel, const std::vector<SurveyedPoint>& points,
-                           const Grid& grid) {
-  const auto left = wall_through(points, grid, tunnel.centerline, Side::left);
-  const auto right = wall_through(points, grid, tunnel.centerline, Side::right);
+                           const Grid& grid, const TagTemplate& tag) {
+  const auto left = wall_through(points, grid, tag, tunnel.centerline, Side::left);
+  const auto right = wall_through(points, grid, tag, tunnel.centerline, Side::right);
   if (!left) return fail(left);
   if (!right) return fail(right);
   tunnel.left = *left;
@@ -738,7 +753,7 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   fit.tunnel =
       plain_tunnel(plan->fit.width, 0, Centerline(start, level.at(0).heading, floor.elements));
   if (plan->measured_walls) {
-    if (auto done = measure_walls(fit.tunnel, points, grid); !done) {
+    if (auto done = measure_walls(fit.tunnel, points, grid, tag); !done) {
       return fail(done);
     }
   }
