@@ -110,13 +110,13 @@ class StripPicture {
       for (const Vector2d& point : line(wall_of(survey.tunnel, side))) box_.extend(point);
     }
     for (const PlacedTag* tag : tags()) box_.extend(place(*tag));
-    scale_ = (kMapWidth - 2 * kMargin) / std::max(box_.sizes().x(), 1e-6);
+    scale_ = (kMapWidth - 2 * kBeside) / std::max(box_.sizes().x(), 1e-6);
     // A strip that runs mostly across would be far too high.
     scale_ = std::min(scale_, kMapWidth / std::max(box_.sizes().y(), 1e-6));
   }
 
   std::string svg(const VerifyMerge& merged) const {
-    const double height = scale_ * box_.sizes().y() + 2 * kMargin + 14;
+    const double height = scale_ * box_.sizes().y() + 2 * kAbove + 4;
     std::string text = fmt::format(
         "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"group\" aria-label=\"Tunnel from {:.1f} to "
         "{:.1f} m\">\n",
@@ -125,30 +125,23 @@ class StripPicture {
       text += "<path class=\"wall\" d=\"" + path(line(wall_of(survey_.tunnel, side))) + "\"/>\n";
     }
     text += "<path class=\"axis\" d=\"" + path(line(0)) + "\"/>\n";
-    for (const double tick : plan_ticks(strip_)) {
-      const Vector2d at = on_picture(view(survey_.tunnel.centerline.at(tick).position));
-      const bool at_end = at.x() > kMapWidth - 2 * kMargin;
-      text += fmt::format(
-          "<path class=\"tick\" d=\"M{0:.1f} {1:.1f}v8\"/><text x=\"{2:.1f}\" y=\"{3:.1f}\"{4}>{5} "
-          "m</text>\n",
-          at.x(), at.y() - 4, at.x() + (at_end ? -3 : 3), at.y() - 3,
-          at_end ? " text-anchor=\"end\"" : "", format_number(tick, 2));
-    }
     const bool names = are_names_apart();
+    for (const double tick : plan_ticks(strip_)) text += tick_mark(tick, names);
     for (const PlacedTag* tag : tags()) text += mark(*tag, merged, names);
     return text + "</svg>\n";
   }
 
  private:
-  static constexpr double kMargin = 22;
+  static constexpr double kBeside = 44;  // for words
+  static constexpr double kAbove = 32;
 
   Vector2d view(const Eigen::Vector3d& in_world) const {
     return strip_.view_from_world * Vector2d(in_world.head<2>());
   }
   Vector2d place(const PlacedTag& tag) const { return view(tag.world_from_plate.translation); }
   Vector2d on_picture(const Vector2d& at) const {
-    return {kMargin + scale_ * (at.x() - box_.min().x()),
-            kMargin + scale_ * (box_.max().y() - at.y())};
+    return {kBeside + scale_ * (at.x() - box_.min().x()),
+            kAbove + scale_ * (box_.max().y() - at.y())};
   }
 
   std::vector<const PlacedTag*> tags() const {
@@ -179,6 +172,23 @@ class StripPicture {
       text += fmt::format("{}{:.1f} {:.1f}", text.empty() ? "M" : "L", at.x(), at.y());
     }
     return text;
+  }
+
+  // Its chainage stands beyond the right wall, clear of the tags' discs and names.
+  std::string tick_mark(double chainage, bool names) const {
+    const CenterlinePoint middle = survey_.tunnel.centerline.at(chainage);
+    const double right = wall_of(survey_.tunnel, Side::right).at(chainage);
+    const Vector2d at = on_picture(view(middle.position));
+    const Vector2d wall = on_picture(view(middle.position + right * right_of(middle.heading)));
+    const Vector2d outward = (wall - at).normalized();
+    const double clear = names ? 28 : 19;
+    const Vector2d words = wall + clear * outward + Vector2d(16 * outward.x(), 4);
+    constexpr double kHalfText = 20;
+    return fmt::format(
+        "<path class=\"tick\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>"
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{} m</text>\n",
+        at.x(), at.y(), wall.x(), wall.y(), std::clamp(words.x(), kHalfText, kMapWidth - kHalfText),
+        words.y(), format_number(chainage, 2));
   }
 
   bool are_names_apart() const {

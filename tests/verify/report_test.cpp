@@ -155,6 +155,30 @@ TEST_CASE("a file that is no output of verify is refused, a line cut short is no
   CHECK(run_tagsmith("report " + kSurvey + " " + cut).exit_code == 1);
 }
 
+TEST_CASE("chainages of a long drive's map stand clear of its tags") {
+  const Verified verified;
+  REQUIRE(write_file(verified.path("long.yaml"), R"(survey: long
+tunnel:
+  width: 4.5
+  height: 4
+  centerline: { start: [0, 0, 0], heading: 15, elements: [ { line: 100 }, { arc: 80, turn: left, angle: 60 }, { line: 100 } ] }
+tags: { template: tag-400x300, height: 1.5, spacing: 2.0, first: 1.0, to: 280 }
+code: { check_digit: gs1, resolution: 0.1, digits: [4, 5, 2], origin: [-200, -10, -1] }
+)")
+              .has_value());
+  REQUIRE(run_tagsmith("report " + verified.quoted("long.yaml") + " " +
+                       verified.quoted("lines.jsonl") + " --html " + verified.quoted("long.html"))
+              .exit_code == 1);
+  const PageVisit visit = visit_page(verified.path("long.html"), 1400, 900, R"(
+    const boxes = of => [...doc.querySelectorAll(of)].map(each => each.getBoundingClientRect());
+    const words = boxes('.map svg > text');
+    const tags = boxes('.tag circle');
+    const over = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    return [words.length > 20, tags.length > 200,
+            words.filter(word => tags.some(tag => over(word, tag))).length];)");
+  CHECK(visit.result == "[true,true,0]");
+}
+
 TEST_CASE("a name that is markup is shown and does nothing") {
   const Verified verified;
   const json line{{"file", "<img src=x onerror=alert(1)>\".jpg"},
