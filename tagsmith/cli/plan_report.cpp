@@ -36,8 +36,10 @@ std::string stretch(const Stretch& part) {
   return fmt::format("{:.2f} to {:.2f} m", part.from, part.to);
 }
 
+constexpr const char* kNoPosition = "no position anywhere";
+
 std::string sigma_text(const std::optional<SigmaRange>& range) {
-  if (!range) return "no position anywhere";
+  if (!range) return kNoPosition;
   return fmt::format("median {}, {} for 95 %, {} at worst", short_length(range->median),
                      short_length(range->high), short_length(range->worst));
 }
@@ -53,9 +55,10 @@ std::string gaps_text(const PlannedDrive& drive) {
   const double step = drive.plan.options.step;
   double all = 0;
   for (const Stretch& gap : summary.gaps) all += gap.length() + step;
-  std::string text = fmt::format("{}, {} in all; the longest {}", summary.gaps.size(), metres(all),
-                                 stretch(*summary.longest_gap));
-  return text;
+  // The last pose stands at the end, a step has none beyond it.
+  all = std::min(all, drive.plan.columns.back().chainage - drive.plan.columns.front().chainage);
+  return fmt::format("{}, {} in all; the longest {}", summary.gaps.size(), metres(all),
+                     stretch(*summary.longest_gap));
 }
 
 std::string first_reading_text(const PlannedDrive& drive) {
@@ -111,6 +114,7 @@ std::string limit_text(double all, double most, const char* unit, double scale) 
 }
 
 std::string speed_text(const PlannedDrive& drive) {
+  if (!std::isfinite(drive.summary.travel_all)) return kNoPosition;
   if (!has_exposure(drive.rig)) {
     return "not known: the rig's cameras have no exposure; during it the vehicle may move " +
            limit_text(drive.summary.travel_all, drive.summary.travel_most, "mm", 1000);
@@ -119,6 +123,7 @@ std::string speed_text(const PlannedDrive& drive) {
 }
 
 std::string exposure_text(const PlannedDrive& drive) {
+  if (!std::isfinite(drive.summary.travel_all)) return kNoPosition;
   if (drive.plan.speed <= 0) return "any, standing still; --speed plans for a speed";
   return fmt::format("at {:.2f} m/s at most {}", drive.plan.speed,
                      limit_text(drive.summary.travel_all / drive.plan.speed,

@@ -41,6 +41,15 @@ TEST_CASE("plan names the tags that are never read, five of many") {
         std::string::npos);
 }
 
+TEST_CASE(
+    "where nothing is ever read, no speed is called possible and gaps are no longer than the "
+    "plan") {
+  const ProgramOutput dark = run_tagsmith(kCorridor + " --from 7 --to 9 --step 0.5");
+  CHECK(dark.exit_code == 1);
+  CHECK(dark.out.find("no limit") == std::string::npos);
+  CHECK(dark.out.find("1, 2.00 m in all; the longest 7.00 to 9.00 m") != std::string::npos);
+}
+
 TEST_CASE("--optimise says of each freedom that it was given how far it went, of others nothing") {
   const std::string plan = kCorridor + " --to 2 --optimise --vary ";
   const std::string height = run_tagsmith(plan + "height").out;
