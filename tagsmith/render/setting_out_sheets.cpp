@@ -11,6 +11,7 @@
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/render/text.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -28,17 +29,18 @@ constexpr double kCellPadding = 0.0012;
 struct SheetColumn {
   const char* head;
   double width;
+  bool is_number = false;  // numbers end at one place, so that their decimal points stand in line
 };
 
 constexpr std::array<SheetColumn, 11> kSheetColumns{{{"tag", 0.015},
                                                      {"side", 0.011},
-                                                     {"chainage (m)", 0.021},
-                                                     {"offset (m)", 0.017},
-                                                     {"height (m)", 0.017},
-                                                     {"x (m)", 0.019},
-                                                     {"y (m)", 0.019},
-                                                     {"z (m)", 0.017},
-                                                     {"tol. (mm)", 0.014},
+                                                     {"chainage (m)", 0.021, true},
+                                                     {"offset (m)", 0.017, true},
+                                                     {"height (m)", 0.017, true},
+                                                     {"x (m)", 0.019, true},
+                                                     {"y (m)", 0.019, true},
+                                                     {"z (m)", 0.017, true},
+                                                     {"tol. (mm)", 0.014, true},
                                                      {"digits", 0.0265},
                                                      {"hung", 0.0085}}};
 
@@ -76,9 +78,12 @@ class TablePage {
     const auto upright = [&](double x) { line({x, top}, {x, top + kRowHeight}, kExtraNarrow); };
     double x = kLeft;
     for (std::size_t i = 0; i < texts.size(); ++i) {
-      const double width = texts.size() == 1 ? kRight - kLeft : kSheetColumns[i].width;
-      text(x + kCellPadding, top + kRowHeight - 0.002, texts[i], kCellTextHeight,
-           width - 2 * kCellPadding);
+      const bool alone = texts.size() == 1;
+      const double width = alone ? kRight - kLeft : kSheetColumns[i].width;
+      const double room = width - 2 * kCellPadding;
+      const double spare = std::max(0.0, room - text_width(texts[i], kCellTextHeight));
+      const double before = !alone && kSheetColumns[i].is_number ? spare : 0;
+      text(x + kCellPadding + before, top + kRowHeight - 0.002, texts[i], kCellTextHeight, room);
       upright(x);
       x += width;
     }

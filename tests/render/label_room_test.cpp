@@ -162,6 +162,30 @@ placed:
   }
 }
 
+TEST_CASE("numbers of the setting-out table end at one place of their column") {
+  const TemporaryFolder folder;
+  const Survey survey = drift(folder, 1000, 4.6, 199);
+  std::vector<const PlacedTag*> tags;
+  for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
+  const std::vector<SettingOut> list = setting_out(survey, tags, 0.005);
+  std::vector<double> ends;
+  for (const Sheet& sheet : setting_out_table(survey, list, "abc", Paper::a4)) {
+    for (const SheetItem& item : sheet.layers.front().items) {
+      const auto* words = std::get_if<SheetText>(&item);
+      const auto is_chainage = [&](const SettingOut& place) {
+        return words != nullptr && words->text == fmt::format("{:.3f}", place.chainage);
+      };
+      if (words == nullptr || words->at.x() > 0.0625 || std::ranges::none_of(list, is_chainage)) {
+        continue;
+      }
+      ends.push_back(words->at.x() + text_width(words->text, words->height));
+    }
+  }
+  REQUIRE(ends.size() == list.size());
+  const auto [first, last] = std::ranges::minmax(ends);
+  CHECK(last - first < 1e-6);
+}
+
 TEST_CASE("the grid's origin in a strip does not make the setting-out's scale coarser") {
   const TemporaryFolder folder;
   std::string text = R"(survey: near
