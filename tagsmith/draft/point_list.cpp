@@ -75,10 +75,12 @@ Result<std::vector<std::string>> columns_of_order(const std::string& order) {
   return columns;
 }
 
-// What may be wrong with a field that is no number.
-std::string number_hint(const std::string& field) {
+// What may be wrong with a field of this line of the file that is no number.
+std::string number_hint(const std::string& field, int line) {
   const bool has_letters = field.find_first_not_of("+-0123456789., '") != std::string::npos;
-  if (has_letters || field.empty()) return "does the first line name the columns? then --header";
+  if (has_letters || field.empty()) {
+    return line == 1 ? "does the first line name the columns? then --header" : "";
+  }
   const auto signs = std::ranges::count_if(field, [](char c) { return c == '.' || c == ','; });
   const bool grouped = signs > 1 || field.find_first_of(" '") != std::string::npos;
   return grouped ? "write numbers without signs between the thousands" : "decimal signs are points";
@@ -98,8 +100,8 @@ class ListRow : public TableRow {
     const std::optional<double> value = parse_number(field);
     if (value && std::abs(*value) <= kFarthestInMillimetres) return value;
     return error(column, "bad-number",
-                 column + " is `" + field.substr(0, 60) + "`, expected a number of metres",
-                 number_hint(text(column)));
+                 column + " is `" + field.substr(0, 60) + "`, expected a number",
+                 number_hint(text(column), line()));
   }
 
   std::optional<double> optional_number(const std::string& column) const {

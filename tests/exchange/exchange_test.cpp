@@ -1020,6 +1020,18 @@ TEST_CASE("a list of export is not read with another plate of the same name") {
   }
 }
 
+TEST_CASE("a field that is no number is told with a remedy for its line") {
+  const TemporaryFolder folder;
+  const std::string header = "does the first line name the columns? then --header";
+  const std::string names = draft(folder.path(), "P,x,y,z,D\n1,0,0,0,WL\n", "--order PENZD").err;
+  CHECK_MESSAGE(
+      names.find("x is `x`, expected a number [bad-number]\n      " + header) != std::string::npos,
+      names);
+  const std::string later = draft(folder.path(), "1,0,0,0,WL\n2,x,0,0,WL\n", "--order PENZD").err;
+  CHECK(later.find(":2:2: error: x is `x`, expected a number [bad-number]") != std::string::npos);
+  CHECK(later.find(header) == std::string::npos);
+}
+
 TEST_CASE("a drive that begins with an arc keeps its chainages") {
   const TemporaryFolder folder;
   const fs::path survey = folder.path() / "arc.yaml";
