@@ -185,6 +185,30 @@ double distance(const PlacedTag& a, const PlacedTag& b) {
   return (a.p_in_grid - b.p_in_grid).norm();
 }
 
+constexpr double kChain = 0.0112;  // of distances below the floor, with room for upright ones
+
+// The distance to the strip's first place on a wall from the last one before the strip, which
+// another sheet may show.
+void add_distance_before(SketchLayer& layer, const Unrolled& wall, const PlanStrip& strip,
+                         const SettingOut& first, std::span<const SettingOut> places) {
+  const SettingOut* before = nullptr;
+  for (const SettingOut& place : places) {
+    if (place.tag->side != first.tag->side || strip.has(*place.tag)) continue;
+    if (place.chainage >= first.chainage) continue;
+    if (before == nullptr || place.chainage > before->chainage) before = &place;
+  }
+  if (before == nullptr) return;
+  const bool from_left = first.tag->side == Side::left;
+  const Vector2d back(from_left ? -1 : 1, 0);
+  const Vector2d foot(wall.on_plate(*first.tag, 0, 0).x(), 0);
+  const Vector2d down(0, -kChain);
+  layer.add(Arrow{{foot, down + 0.020 * back}, {foot, down}, {.width = kNarrow}});
+  layer.add(Words{
+      .text = to_millimetre(distance(*before->tag, *first.tag)) + " from " + before->tag->name,
+      .at = {foot, down + 0.003 * back + Vector2d(0, 0.0007)},
+      .align = from_left ? TextAlign::right : TextAlign::left});
+}
+
 }  // namespace
 
 DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view,
@@ -242,7 +266,6 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
   });
   std::ranges::stable_sort(
       along, {}, [&](const SettingOut& place) { return wall.on_plate(*place.tag, 0, 0).x(); });
-  constexpr double kChain = 0.0112;  // below the floor, with room for an upright distance
   constexpr double kLines = 0.0127;
   std::optional<Vector2d> last;  // foot
   const PlacedTag* last_tag = nullptr;
@@ -266,6 +289,9 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
     last = foot;
     last_tag = place.tag;
   }
+  if (along.empty()) return view;
+  const SettingOut& first = side == Side::left ? along.front() : along.back();
+  add_distance_before(layer, wall, strip, first, places);
   return view;
 }
 

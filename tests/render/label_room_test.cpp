@@ -152,6 +152,21 @@ placed:
       }
     }
   }
+  int strips = 0, distances_from_before = 0;
+  for (const Sheet& sheet : drawing) {
+    for (const SheetLayer& layer : sheet.layers) {
+      for (const SheetItem& item : layer.items) {
+        const auto* words = std::get_if<SheetText>(&item);
+        if (words == nullptr) continue;
+        if (words->text.starts_with("Left wall")) ++strips;
+        const bool is_from_before =
+            words->text.starts_with("10.000 from 0") || words->text == "6.400 from 003L";
+        if (is_from_before) ++distances_from_before;
+      }
+    }
+  }
+  CHECK(strips > 2);
+  CHECK(distances_from_before == strips - 1);
   std::ranges::sort(labels, {}, [](const Vector2d& at) { return at.x(); });
   REQUIRE(labels.size() == 4);
   REQUIRE(distances.size() == 3);
