@@ -53,7 +53,7 @@ bool lies_between_crossing_lines(const GrayView& image, const RefinedFrame& fram
     count += StrokeEnd{image, map, corner, right, down}.goes_on() ? 1 : 0;
     count += StrokeEnd{image, map, corner, down, right}.goes_on() ? 1 : 0;
   }
-  return count >= 4;
+  return count > 4;
 }
 
 }  // namespace tagsmith::detail

@@ -8,8 +8,9 @@
 
 namespace tagsmith::detail {
 
-// Whether at least half of the eight ends of a frame's strokes go on beyond the corners as dark
-// lines. A printed stroke ends there, in the white margin of its plate.
+// Whether more than half of the eight ends of a frame's strokes go on beyond the corners as dark
+// lines: of a frame that lies between two, as runs of paint may be, half do. A printed stroke ends
+// there, in the white margin of its plate.
 bool lies_between_crossing_lines(const GrayView& image, const RefinedFrame& frame,
                                  const FrameShape& shape = {});
 

@@ -35,14 +35,14 @@ bool lies_between_crossing_lines(const SeenTag& tag) {
 
 }  // namespace
 
-TEST_CASE("a frame lies between crossing lines where half of its strokes' ends go on") {
+TEST_CASE("a frame lies between crossing lines where most of its strokes' ends go on") {
   SeenTag tag;
   CHECK(!lies_between_crossing_lines(tag));
   const std::vector<PlaneCover> lines = lines_of(tag);
   for (std::size_t count = 1; count <= lines.size(); ++count) {
     CAPTURE(count);
     tag.covers.push_back(lines[count - 1]);
-    CHECK(lies_between_crossing_lines(tag) == (count >= 2));
+    CHECK(lies_between_crossing_lines(tag) == (count >= 3));
   }
 }
 
@@ -60,9 +60,7 @@ TEST_CASE("a frame around which everything is dark does not lie between lines") 
 TEST_CASE("lines that leave the picture beside a frame's corners are not seen to go on") {
   SeenTag tag;
   tag.covers = lines_of(tag);
+  CHECK(lies_between_crossing_lines(tag));
   tag.width = 276;  // the right stroke ends at 273
-  tag.view.middle.x = 150;
-  CHECK(lies_between_crossing_lines(tag));  // by the four ends on the left, or above and below
-  tag.height = 156;                         // the lower stroke ends at 153
   CHECK(!lies_between_crossing_lines(tag));
 }
