@@ -224,8 +224,7 @@ std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
                                               const std::vector<Survey>& surveys, const Rig& rig) {
   constexpr std::size_t kLeastRows = 3, kTried = 40;
   constexpr double kLeastShare = 0.7;
-  const auto states_readout = [](const RigCamera& camera) { return camera.readout.has_value(); };
-  if (std::ranges::any_of(rig.cameras, states_readout)) return std::nullopt;
+  if (has_rolling_shutter(rig)) return std::nullopt;
   std::vector<const Observation*> refused;
   for (std::size_t i = 0; i < fixes.size() && refused.size() < kTried; ++i) {
     if (!fixes[i].position_in_grid && rows[i].tags.size() > 1) refused.push_back(&rows[i]);
@@ -248,8 +247,9 @@ std::string to_string(const RollingShutter& rolling) {
   return fmt::format(
       "{} of {} rows without a position have one when the vehicle may move while the cameras read "
       "the rows of an image one after another. If they do (rolling shutters), stop for photos, or "
-      "state `readout` of each camera and `speed` of the envelope in the rig; else survey or rig "
-      "are wrong",
+      "state `readout` of each camera, which is not 0, and `speed` of the envelope in the rig; "
+      "else "
+      "survey or rig are wrong",
       rolling.located, rolling.rows);
 }
 

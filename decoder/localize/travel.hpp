@@ -96,7 +96,7 @@ struct RollingShutter {
 };
 
 // Where that locates three rows and more, and seven of ten, and cameras that stand and look a
-// little elsewhere do not locate as many; the rig states no readout. `rows`: of the fixes.
+// little elsewhere do not locate as many; the rig states no rolling shutter. `rows`: of the fixes.
 std::optional<RollingShutter> rolling_shutter(std::span<const Fix> fixes,
                                               std::span<const Observation> rows,
                                               const std::vector<Survey>& surveys, const Rig& rig);

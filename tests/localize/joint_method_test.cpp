@@ -180,13 +180,16 @@ TEST_CASE("rows that only a rolling shutter explains are told as that") {
   REQUIRE(rolling);
   CHECK(rolling->rows >= 5);  // of the rows that show two tags
   CHECK(rolling->located == rolling->rows);
+  for (RigCamera& camera : site.rig.cameras) camera.readout = 0;  // stated, and wrong
+  CHECK(rolling_shutter(fixes, rows, {site.survey}, site.rig));
+  Site stated = site;
+  stated.rig.cameras[0].readout = 0.01;
+  CHECK_FALSE(rolling_shutter(fixes, rows, {site.survey}, stated.rig));
 
   Site turned = site;
   turned.rig.cameras[0].vehicle_from_camera.rotation *= rotation_of(Vector3d(0, radians(1), 0));
   for (Fix& fix : fixes) fix = {};
   for (Observation& row : rows) row = observation_at(turned, pose_at(turned, 2, 0.1));
-  CHECK_FALSE(rolling_shutter(fixes, rows, {site.survey}, site.rig));
-  site.rig.cameras[0].readout = 0.01;
   CHECK_FALSE(rolling_shutter(fixes, rows, {site.survey}, site.rig));
 }
 
