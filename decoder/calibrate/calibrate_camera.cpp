@@ -200,7 +200,7 @@ std::optional<RobustFit> perspective_like(const CalibrationProblem& problem,
   if (outermost > kWidest) return std::nullopt;
   CalibrationState start = fisheye.state;
   start.camera = as_perspective(camera, outermost);
-  return robust_fit(problem, start, lens_forms(LensModel::perspective)[5]);
+  return robust_fit(problem, start, lens_forms(LensModel::perspective).back());
 }
 
 // The best fit, and that of the other lens model.
@@ -221,7 +221,7 @@ BestFits best_fits(const CalibrationProblem& problem) {
   // wide picture may contradict all other forms.
   std::vector<RobustFit> fits{fit_from_grid(LensModel::fisheye, lens_forms(LensModel::fisheye)[2]),
                               fit_from_grid(LensModel::perspective, perspective[4])};
-  fits.push_back(robust_fit(problem, fits[1].state, perspective[5]));
+  fits.push_back(robust_fit(problem, fits[1].state, perspective.back()));
   if (auto like = perspective_like(problem, fits[0])) fits.push_back(std::move(*like));
   double factor = std::numeric_limits<double>::infinity();
   for (const RobustFit& fit : fits)
@@ -430,15 +430,18 @@ bool reaches_as_far(const Camera& form, const Camera& chosen) {
 }
 
 // The place of the chosen form, after forms are left out that turn back inside the picture where
-// the chosen one does not: no lens does. They stay where the corners read support them: then a
-// richer form is needed, and the rays beyond these corners are unknown.
+// the chosen one does not: no lens does. They stay where the corners read may need a richer form:
+// then the rays beyond these corners are unknown.
 std::size_t choose(std::vector<FormFit>& fits) {
-  constexpr double kLittle = 0.1;  // of the weight: by chance a rich form has some hundredths
-  const Camera camera = fits[weigh(fits)].tried.camera;
+  constexpr double kLittle = 1.0 / 3;  // of the weight: by chance a rich form has an eighth
+  constexpr double kExcluded = 20;     // of BIC: odds of 20 000 against
+  const TriedForm chosen = fits[weigh(fits)].tried;
   const auto turns_back = std::ranges::stable_partition(
-      fits, [&](const FormFit& fit) { return reaches_as_far(fit.tried.camera, camera); });
+      fits, [&](const FormFit& fit) { return reaches_as_far(fit.tried.camera, chosen.camera); });
   double weight = 0;
-  for (const FormFit& fit : turns_back) weight += fit.tried.weight;
+  for (const FormFit& fit : turns_back) {
+    if (fit.tried.bic < chosen.bic + kExcluded) weight += fit.tried.weight;
+  }
   if (weight < kLittle) fits.erase(turns_back.begin(), turns_back.end());
   return weigh(fits);
 }

@@ -13,12 +13,13 @@ using Eigen::Vector2d;
 constexpr Index kFirstCoefficient = 4;
 
 // Bits of Camera::distortion: k1, k2, p1, p2, k3, k4, k5, k6.
-constexpr std::array<LensForm, 6> kPerspective{{
+constexpr std::array<LensForm, 7> kPerspective{{
     {"no distortion", LensModel::perspective, 0, 0x00},
     {"k1", LensModel::perspective, 1, 0x01},
     {"k1 k2", LensModel::perspective, 2, 0x03},
     {"k1 k2 p1 p2", LensModel::perspective, 4, 0x0f},
     {"k1 k2 p1 p2 k3", LensModel::perspective, 5, 0x1f},
+    {"k1 to k4 p1 p2", LensModel::perspective, 6, 0x3f},
     {"k1 to k6 p1 p2", LensModel::perspective, 8, 0xff},
 }};
 

@@ -36,8 +36,8 @@ struct LensForm {
 };
 
 // The forms of a lens, each with those before it as special cases, the simplest first: perspective
-// with none, {k1}, {k1, k2}, {k1, k2, p1, p2}, {k1, k2, p1, p2, k3}, all eight; fisheye with none,
-// {k1, k2}, {k1 to k4}.
+// with none, {k1}, {k1, k2}, {k1, k2, p1, p2}, {k1, k2, p1, p2, k3}, {k1, k2, p1, p2, k3, k4}, all
+// eight; fisheye with none, {k1, k2}, {k1 to k4}.
 std::span<const LensForm> lens_forms(LensModel lens);
 
 // A lens's form, and whether the focal lengths are one (square pixels). The principal point is

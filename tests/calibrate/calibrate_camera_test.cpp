@@ -119,6 +119,14 @@ TEST_CASE("a wide lens of eight coefficients is right or not called good") {
   CHECK(good.worst_sigmas < 4);
 }
 
+TEST_CASE("a wide lens is not refused for a form with more coefficients than it shows") {
+  const Camera wide{
+      1280, 960, 1150, 1150, 645, 474, {0.4, 0.05, 0.0003, -0.0002, 0.002, 0.8, 0.15, 0.01}};
+  const GoodOnes good = good_ones(wide, {13, 21, 47, 118, 134});
+  CHECK(good.count == 5);
+  CHECK(good.worst_sigmas < 4);
+}
+
 TEST_CASE("a rich form that turns back beyond the corners read does not refuse a good set") {
   const Camera camera{1280, 960, 800, 800, 633.5, 488, {-0.35, 0.12}};
   const GoodOnes good = good_ones(camera, {23, 32, 66});
@@ -159,6 +167,21 @@ TEST_CASE("one tag near the border that is off does not decide the lens form") {
   check_sound(*calibration, camera);
   CHECK(count_unused(*calibration) == 1);
   CHECK(assess_calibration(*calibration, views, {&board, 1}).trust == CalibrationTrust::good);
+}
+
+TEST_CASE("a rich form that only one tag near the border supports does not refuse a good set") {
+  const Board board = test::plate_board();
+  for (const auto& [seed, pixels] : {std::pair{1004U, 0.1}, {1007U, 0.1}, {1007U, 0.2}}) {
+    CAPTURE(seed);
+    CAPTURE(pixels);
+    Draws draws(seed);
+    auto views = test::seen_boards(test::kWideCamera, board, 20, draws);
+    move_outermost_tag(views, test::kWideCamera, pixels);
+    const auto calibration = calibrate_camera(views, {&board, 1});
+    REQUIRE(calibration.has_value());
+    check_sound(*calibration, test::kWideCamera);
+    CHECK(assess_calibration(*calibration, views, {&board, 1}).trust == CalibrationTrust::good);
+  }
 }
 
 TEST_CASE("tags that were misread or moved are left out and spoil nothing") {
