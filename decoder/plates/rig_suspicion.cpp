@@ -322,22 +322,28 @@ Drive with_plates_of(double size, Drive drive) {
   return drive;
 }
 
-// The logarithm of the plates' size with which a drive fits best: the minimum of chi-square by
-// golden sections around the best of a grid. Nothing where no fit converges.
+// The logarithm of the plates' size with which a drive fits best: the best of a grid, then the
+// vertex of a parabola through it and its neighbours, which come nearer each time. Nothing where no
+// fit converges.
 std::optional<double> best_log_size(const std::function<double(double)>& chi_square) {
   constexpr double kStep = 0.05;
   constexpr int kSteps = 8;  // to each side: of two thirds to one and a half
-  const double ratio = std::numbers::phi - 1;
   double best = 0;
-  for (int step = -kSteps; step <= kSteps; ++step) {
-    if (chi_square(step * kStep) < chi_square(best)) best = step * kStep;
+  for (const double way : {-kStep, kStep}) {
+    int worse = 0;  // one after another: twice, and the minimum is behind
+    for (int step = 1; step <= kSteps && worse < 2; ++step) {
+      worse = chi_square(step * way) < chi_square((step - 1) * way) ? 0 : worse + 1;
+      if (chi_square(step * way) < chi_square(best)) best = step * way;
+    }
   }
-  double low = best - kStep, high = best + kStep;
-  while (high - low > 1e-5) {
-    const double a = high - ratio * (high - low), b = low + ratio * (high - low);
-    (chi_square(a) < chi_square(b) ? high : low) = chi_square(a) < chi_square(b) ? b : a;
+  for (double step = kStep; step > 1e-4; step /= 5) {
+    const double before = chi_square(best - step), after = chi_square(best + step);
+    const double bend = before + after - 2 * chi_square(best);
+    const double vertex = best + std::clamp((before - after) / bend / 2, -1.0, 1.0) * step;
+    for (const double tried : {best - step, best + step, vertex}) {
+      if (std::isfinite(tried) && chi_square(tried) < chi_square(best)) best = tried;
+    }
   }
-  best = (low + high) / 2;
   return std::isfinite(chi_square(best)) ? std::optional(best) : std::nullopt;
 }
 
