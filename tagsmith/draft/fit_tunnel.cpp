@@ -421,7 +421,8 @@ Result<void> check_has_walls(const std::vector<SurveyedPoint>& points) {
   };
   if (on_side(-1) && on_side(1)) return {};
   return fail(std::string("no points on the ") + (on_side(-1) ? "right" : "left") +
-              " wall (TL, TR, WL, WR or names of tags): the width cannot be known");
+              " wall (TL, TR, WL, WR or names of tags): the width cannot be known\n"
+              "list some points of that wall, or of the center line (CL) and give --width");
 }
 
 Centerline moved_by(const Centerline& line, const Eigen::Vector2d& shift) {
