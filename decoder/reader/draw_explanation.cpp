@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr int kPictureWidth = 1600;  // the picture is shown about this wide
 constexpr int kPanelHeight = 250;    // of a symbol's panel
+constexpr int kLineHeight = 22;
 constexpr std::size_t kMostPanels = 12;
 constexpr double kPlotMargin = 4;  // modules of quiet zone shown
 
@@ -187,7 +189,24 @@ void draw_panel(cv::Mat panel, const ExplainedSymbol& symbol, std::size_t number
   draw_margins(panel, plot, symbol);
 }
 
-void draw_legend(cv::Mat panel, const Explanation& explanation) {
+// How often outlines were passed over for each reason, in lines as wide as the picture at most.
+std::vector<std::string> passed_over_lines(const Explanation& explanation) {
+  std::map<std::string, int> reasons;
+  for (const Rejection& passed : explanation.passed_over) ++reasons[describe(passed)];
+  if (reasons.empty()) return {"no outline passed over"};
+  std::vector<std::string> lines{"passed over:"};
+  for (const auto& [reason, count] : reasons) {
+    const std::string words = fmt::format(" {} x {};", count, reason);
+    const cv::Size size =
+        cv::getTextSize(lines.back() + words, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr);
+    if (size.width > kPictureWidth - 40) lines.emplace_back();
+    lines.back() += words;
+  }
+  lines.back().pop_back();
+  return lines;
+}
+
+void draw_legend(cv::Mat panel, const std::vector<std::string>& passed_over) {
   write(panel,
         "green: read   red: refused   orange: framed outlines without a symbol   blue in the "
         "picture: scan "
@@ -198,18 +217,10 @@ void draw_legend(cv::Mat panel, const Explanation& explanation) {
         "blue = expected of the digits, grey = their bars; digits with their margin in decades",
         {20, 46}, 0.5, kMeasured);
   int y = 70;
-  std::vector<std::string> reasons;
-  for (const Rejection& passed : explanation.passed_over) reasons.push_back(describe(passed));
-  std::ranges::sort(reasons);
-  std::string words;
-  for (auto first = reasons.begin(); first != reasons.end();) {
-    const auto last = std::find_if(first, reasons.end(),
-                                   [&](const std::string& other) { return other != *first; });
-    words += fmt::format("{}{} x {}", words.empty() ? "passed over: " : "; ", last - first, *first);
-    first = last;
+  for (const std::string& line : passed_over) {
+    write(panel, line, {20, y}, 0.5, kPassedOver);
+    y += kLineHeight;
   }
-  if (words.empty()) words = "no outline passed over";
-  write(panel, words, {20, y}, 0.5, kPassedOver);
 }
 
 cv::Mat enlarged(const GrayView& image, double scale) {
@@ -223,12 +234,13 @@ cv::Mat enlarged(const GrayView& image, double scale) {
 }
 
 cv::Mat drawn(const GrayView& image, const Explanation& explanation) {
-  constexpr int kLegendHeight = 84;
+  const std::vector<std::string> passed_over = passed_over_lines(explanation);
+  const int legend_height = 62 + kLineHeight * static_cast<int>(passed_over.size());
   constexpr double kMostEnlarged = 6;
   const double scale = std::min(kMostEnlarged, static_cast<double>(kPictureWidth) / image.width);
   const cv::Mat picture = enlarged(image, scale);
   const std::size_t panels = std::min(kMostPanels, explanation.symbols.size());
-  const int height = picture.rows + kLegendHeight + static_cast<int>(panels) * kPanelHeight;
+  const int height = picture.rows + legend_height + static_cast<int>(panels) * kPanelHeight;
   cv::Mat canvas(height, kPictureWidth, CV_8UC3, kPaper);
   cv::Mat top = canvas(cv::Rect(0, 0, picture.cols, picture.rows));
   picture.copyTo(top);
@@ -241,9 +253,9 @@ cv::Mat drawn(const GrayView& image, const Explanation& explanation) {
   for (std::size_t i = 0; i < explanation.symbols.size(); ++i) {
     draw_symbol(overlay, explanation.symbols[i], i + 1);
   }
-  draw_legend(canvas(cv::Rect(0, picture.rows, kPictureWidth, kLegendHeight)), explanation);
+  draw_legend(canvas(cv::Rect(0, picture.rows, kPictureWidth, legend_height)), passed_over);
   for (std::size_t i = 0; i < panels; ++i) {
-    const int y = picture.rows + kLegendHeight + static_cast<int>(i) * kPanelHeight;
+    const int y = picture.rows + legend_height + static_cast<int>(i) * kPanelHeight;
     draw_panel(canvas(cv::Rect(0, y, kPictureWidth, kPanelHeight)), explanation.symbols[i], i + 1);
   }
   return canvas;

@@ -134,7 +134,7 @@ bool has_bars(const Decoding& decoding) {
 bool suits_its_frame(const SymbolHypothesis& symbol) {
   constexpr double kLeastModule = 0.3;  // pixels; of narrower ones nothing is seen
   const double module = symbol.profile.module_px;
-  if (module < kLeastModule) return false;
+  if (module < kLeastModule || std::abs(symbol.decoding.fit.image.growth) > 1) return false;
   if (is_symbol_like(symbol)) return true;
   const auto alike = [](double a, double b) { return std::abs(std::log(a / b)) < 1; };
   const ImagingModel& bars = symbol.decoding.fit.image;

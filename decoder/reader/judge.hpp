@@ -48,8 +48,8 @@ bool is_symbol_like(const SymbolHypothesis& symbol);
 // of bricks, a grating on a plate, a cell of wire mesh.
 bool may_be_symbol(const SymbolHypothesis& symbol);
 
-// Whether bars are wide enough to be seen, and about as sharp and as black as the strokes beside
-// them, to a factor of e, as those of one plate are.
+// Whether bars are wide enough to be seen, none of one module vanished by growth, and all are about
+// as sharp and as black as the strokes beside them, to a factor of e, as those of one plate are.
 bool suits_its_frame(const SymbolHypothesis& symbol);
 
 // The symbol that is certain without the code book but is none of its codes, where there is a code

@@ -134,6 +134,9 @@ TEST_CASE("bars suit a frame that is as sharp and as black as they are") {
   like_symbol.decoding.guards = 0.9;
   for (FrameSide& side : like_symbol.frame.sides) side.blur_px = 3 * blur;
   CHECK(suits_its_frame(like_symbol));
+  like_symbol.decoding.fit.image.growth = -1.1;
+  CHECK(!suits_its_frame(like_symbol));
+  like_symbol.decoding.fit.image.growth = 0;
   // Too small for anything to be seen of a symbol.
   like_symbol.profile.module_px = 0.25;
   CHECK(!suits_its_frame(like_symbol));
