@@ -332,11 +332,14 @@ std::optional<double> best_log_size(const std::function<double(double)>& chi_squ
   for (const double way : {-kStep, kStep}) {
     int worse = 0;  // one after another: twice, and the minimum is behind
     for (int step = 1; step <= kSteps && worse < 2; ++step) {
-      worse = chi_square(step * way) < chi_square((step - 1) * way) ? 0 : worse + 1;
-      if (chi_square(step * way) < chi_square(best)) best = step * way;
+      const double here = chi_square(step * way);
+      if (!std::isfinite(here)) continue;
+      worse = here < chi_square((step - 1) * way) ? 0 : worse + 1;
+      if (here < chi_square(best)) best = step * way;
     }
   }
-  for (double step = kStep; step > 1e-4; step /= 5) {
+  double step = kStep;
+  for (int round = 0; round < 4; ++round, step /= 5) {
     const double before = chi_square(best - step), after = chi_square(best + step);
     const double bend = before + after - 2 * chi_square(best);
     const double vertex = best + std::clamp((before - after) / bend / 2, -1.0, 1.0) * step;

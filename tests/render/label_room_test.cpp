@@ -94,6 +94,17 @@ code: {{ check_digit: gs1, resolution: 0.1, digits: [4, 5, 2] }}
   return load_survey(path).value();
 }
 
+// The drawing on A3 of all tags of a survey, given as its text.
+auto setting_out_of(const std::string& text) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "survey.yaml";
+  REQUIRE(write_file(path, text));
+  const Survey survey = load_survey(path).value();
+  std::vector<const PlacedTag*> tags;
+  for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
+  return setting_out_drawing(survey, setting_out(survey, tags, 0.005), "abc", Paper::a3).value();
+}
+
 }  // namespace
 
 TEST_CASE("no words of a setting-out or a survey's drawing stand over others") {
@@ -119,7 +130,6 @@ TEST_CASE("no words of a setting-out or a survey's drawing stand over others") {
 }
 
 TEST_CASE("distances of tags that hang close among distant ones are written over their own gaps") {
-  const TemporaryFolder folder;
   std::string text = R"(survey: face
 tunnel: { width: 3, height: 3, centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 200 } ] } }
 tags: { template: tag-a4 }
@@ -132,13 +142,7 @@ placed:
   for (const double y : places) {
     text += fmt::format("  - {{ tag: {:03}L, side: left, p: [-1.5, {}, 1.0] }}\n", pair++, y);
   }
-  const auto path = folder.path() / "survey.yaml";
-  REQUIRE(write_file(path, text));
-  const Survey survey = load_survey(path).value();
-  std::vector<const PlacedTag*> tags;
-  for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
-  const auto drawing =
-      setting_out_drawing(survey, setting_out(survey, tags, 0.005), "abc", Paper::a3).value();
+  const auto drawing = setting_out_of(text);
   for (const std::string& pair_of_words : collisions(drawing)) FAIL_CHECK(pair_of_words);
   std::vector<Vector2d> labels;
   std::vector<SheetText> distances;
@@ -202,7 +206,6 @@ TEST_CASE("numbers of the setting-out table end at one place of their column") {
 }
 
 TEST_CASE("the grid's origin in a strip does not make the setting-out's scale coarser") {
-  const TemporaryFolder folder;
   std::string text = R"(survey: near
 tunnel: { width: 3, height: 3, centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 40 } ] } }
 tags: { template: tag-400x300 }
@@ -213,13 +216,7 @@ placed:
   for (const double y : {1.0, 7.0, 9.0, 9.45, 15.0, 15.42, 15.84, 21.0, 36.0}) {
     text += fmt::format("  - {{ tag: {:03}L, side: left, p: [-1.5, {}, 1.0] }}\n", pair++, y);
   }
-  const auto path = folder.path() / "survey.yaml";
-  REQUIRE(write_file(path, text));
-  const Survey survey = load_survey(path).value();
-  std::vector<const PlacedTag*> tags;
-  for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
-  const auto drawing =
-      setting_out_drawing(survey, setting_out(survey, tags, 0.005), "abc", Paper::a3).value();
+  const auto drawing = setting_out_of(text);
   for (const std::string& pair_of_words : collisions(drawing)) FAIL_CHECK(pair_of_words);
   // The nearest tags are 0.42 m apart, 8.4 mm of paper.
   CHECK(std::ranges::any_of(drawing.front().layers, [](const SheetLayer& layer) {
