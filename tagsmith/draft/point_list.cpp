@@ -411,6 +411,8 @@ void read_table(std::string_view text, const PointListOptions& options,
     } else if (std::exchange(is_header, false)) {
       if (own) check_own_header(*fields, number, columns, log);
       return !log.has_errors();
+    } else if (own && *fields == columns) {
+      return true;  // lists put together, each with its names of the columns
     } else if (fields->size() < columns.size()) {
       log.error({number, 0}, "wrong-length",
                 "the line has " + std::to_string(fields->size()) + " fields, expected " +

@@ -1062,6 +1062,24 @@ code: { check_digit: gs1, resolution: 0.01, digits: [4, 4, 3], origin: [-10, -10
         std::string::npos);
 }
 
+TEST_CASE(
+    "lists of export that were put together, each with its names of columns, are read as one") {
+  const TemporaryFolder folder;
+  const fs::path csv = folder.path() / "curved.csv";
+  REQUIRE(run_tagsmith("export surveys/curved/survey.yaml -o " + quoted(csv)).exit_code == 0);
+  const std::string text = read_file(csv).value();
+  const std::string names = text.substr(0, text.find('\n') + 1);
+  const std::size_t middle = text.find('\n', text.size() / 2) + 1;
+  const auto drafted = [&](const std::string& list, const char* name) {
+    fs::create_directory(folder.path() / name);
+    const ProgramOutput made = draft(folder.path() / name, list, "--order own");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    return read_file(folder.path() / name / "out" / "survey.yaml").value();
+  };
+  CHECK(drafted(text.substr(0, middle) + names + text.substr(middle), "two") ==
+        drafted(text, "one"));
+}
+
 TEST_CASE("points along the tangent of an arc make a straight element, as they were fitted") {
   // A quarter circle of 30 m, and one point of each wall 20 m further straight on.
   std::string csv;
