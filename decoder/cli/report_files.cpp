@@ -20,6 +20,7 @@
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
@@ -152,6 +153,10 @@ class StripPicture {
     return here;
   }
 
+  Vector2d on_map(double chainage, double right) const {
+    return view(point_beside(survey_.tunnel.centerline, chainage, right));
+  }
+
   // A line beside the center line, `right` metres to its right.
   std::vector<Vector2d> line(const ChainageProfile& right) const {
     constexpr int kMost = 400;
@@ -159,8 +164,7 @@ class StripPicture {
     std::vector<Vector2d> points;
     for (int i = 0; i <= spans; ++i) {
       const double chainage = strip_.from + (strip_.to - strip_.from) * i / spans;
-      const CenterlinePoint at = survey_.tunnel.centerline.at(chainage);
-      points.push_back(view(at.position + right.at(chainage) * right_of(at.heading)));
+      points.push_back(on_map(chainage, right.at(chainage)));
     }
     return points;
   }
@@ -176,10 +180,9 @@ class StripPicture {
 
   // Its chainage stands beyond the right wall, clear of the tags' discs and names.
   std::string tick_mark(double chainage, bool names) const {
-    const CenterlinePoint middle = survey_.tunnel.centerline.at(chainage);
     const double right = wall_of(survey_.tunnel, Side::right).at(chainage);
-    const Vector2d at = on_picture(view(middle.position));
-    const Vector2d wall = on_picture(view(middle.position + right * right_of(middle.heading)));
+    const Vector2d at = on_picture(on_map(chainage, 0));
+    const Vector2d wall = on_picture(on_map(chainage, right));
     const Vector2d outward = (wall - at).normalized();
     const double clear = names ? 28 : 19;
     const Vector2d words = wall + clear * outward + Vector2d(16 * outward.x(), 4);

@@ -248,8 +248,7 @@ std::string to_string(const RollingShutter& rolling) {
       "{} of {} rows without a position have one when the vehicle may move while the cameras read "
       "the rows of an image one after another. If they do (rolling shutters), stop for photos, or "
       "state `readout` of each camera, which is not 0, and `speed` of the envelope in the rig; "
-      "else "
-      "survey or rig are wrong",
+      "else survey or rig are wrong",
       rolling.located, rolling.rows);
 }
 

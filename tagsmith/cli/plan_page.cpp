@@ -10,6 +10,7 @@
 #include "tagsmith/cli/plan_report.hpp"
 #include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
 
 namespace tagsmith::detail {
@@ -167,8 +168,8 @@ Json line_beside(const Survey& survey, const ChainageProfile& offset, double fro
   for (std::size_t i = 0; i <= count; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(count);
     const double chainage = from + share * (to - from);
-    const CenterlinePoint at = survey.tunnel.centerline.at(chainage);
-    line.push_back(point(at.position + offset.at(chainage) * right_of(at.heading), survey));
+    line.push_back(
+        point(point_beside(survey.tunnel.centerline, chainage, offset.at(chainage)), survey));
   }
   return line;
 }

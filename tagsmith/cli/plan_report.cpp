@@ -52,11 +52,11 @@ std::string angle_text(const SigmaRange& range) {
 std::string gaps_text(const PlannedDrive& drive) {
   const PlanSummary& summary = drive.summary;
   if (summary.gaps.empty()) return "none: every pose has a position";
-  const double step = drive.plan.options.step;
-  double all = 0;
-  for (const Stretch& gap : summary.gaps) all += gap.length() + step;
-  // The last pose stands at the end, a step has none beyond it.
-  all = std::min(all, drive.plan.columns.back().chainage - drive.plan.columns.front().chainage);
+  const double last = drive.plan.columns.back().chainage;
+  double all = 0;  // each up to the next pose, if there is one
+  for (const Stretch& gap : summary.gaps) {
+    all += std::min(gap.to + drive.plan.options.step, last) - gap.from;
+  }
   return fmt::format("{}, {} in all; the longest {}", summary.gaps.size(), metres(all),
                      stretch(*summary.longest_gap));
 }

@@ -9,15 +9,16 @@
 #include "tagsmith/base/statistics.hpp"
 
 namespace tagsmith::detail {
+
+Eigen::Vector3d point_beside(const Centerline& line, double chainage, double offset) {
+  const CenterlinePoint point = line.at(chainage);
+  return point.position + offset * right_of(point.heading);
+}
+
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-Vector3d beside(const Centerline& line, double chainage, double offset) {
-  const CenterlinePoint point = line.at(chainage);
-  return point.position + offset * right_of(point.heading);
-}
 
 // Chainages within (from, to) where the center line's elements meet.
 std::vector<double> joints(const Centerline& line, double from, double to) {
@@ -114,7 +115,7 @@ std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile
   std::ranges::copy(offset.breaks(from, to), std::back_inserter(ends));
   ends.push_back(to);
   std::ranges::sort(ends);
-  std::vector<SidePoint> points{{from, beside(line, from, offset.at(from))}};
+  std::vector<SidePoint> points{{from, point_beside(line, from, offset.at(from))}};
   double start = from;
   for (const double end : ends) {
     if (end <= start) continue;
@@ -126,10 +127,10 @@ std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile
     for (int i = 1; i <= pieces; ++i) {
       const double share = static_cast<double>(i) / pieces;
       const double chainage = i == pieces ? end : start + share * (end - start);
-      points.push_back({chainage, beside(line, chainage, low + share * (high - low))});
+      points.push_back({chainage, point_beside(line, chainage, low + share * (high - low))});
     }
     if (offset.at(end) != high && end < to) {
-      points.push_back({end, beside(line, end, offset.at(end))});
+      points.push_back({end, point_beside(line, end, offset.at(end))});
     }
     start = end;
   }
@@ -140,7 +141,7 @@ Vector2d nearest_on_side(const Centerline& line, const ChainageProfile& offset,
                          const Vector2d& position) {
   constexpr double kSag = 0.002;
   const double abreast = line.locate(position).chainage;
-  const double away = (beside(line, abreast, offset.at(abreast)).head<2>() - position).norm();
+  const double away = (point_beside(line, abreast, offset.at(abreast)).head<2>() - position).norm();
   const double reach = 2 * away + 0.1;  // chainages count on the center line: arcs stretch them
   const std::vector<SidePoint> points =
       side_points(line, offset, abreast - reach, abreast + reach, kSag);
@@ -166,7 +167,7 @@ Vector2d nearest_on_side(const Centerline& line, const ChainageProfile& offset,
   chainage = refined(line, offset, position, chainage, low, high);
   const double share = (chainage - low) / (high - low);
   const double aside = offset.at(low) + share * (offset.before(high) - offset.at(low));
-  return beside(line, chainage, aside).head<2>();
+  return point_beside(line, chainage, aside).head<2>();
 }
 
 }  // namespace tagsmith::detail

@@ -13,6 +13,9 @@ namespace tagsmith::detail {
 
 // Offsets here are metres to the right of the center line, negative to its left.
 
+// The point so far beside the center line, at the height of its floor.
+Eigen::Vector3d point_beside(const Centerline& line, double chainage, double offset);
+
 // Direction of the side line about a chainage, radians from +y towards +x: what a straight board of
 // length `span` on it has. Steps do not turn it.
 double side_heading(const Centerline& line, const ChainageProfile& offset, double chainage,

@@ -200,8 +200,7 @@ void write_arc(DxfWriter& dxf, const char* layer, const Vector3d& centre, const 
 void write_parallel(DxfWriter& dxf, const char* layer, const Survey& survey, double offset) {
   const Centerline& line = survey.tunnel.centerline;
   const auto in_grid = [&](double chainage, double to_right) {
-    const CenterlinePoint point = line.at(chainage);
-    return grid_from_world(survey.grid, point.position + to_right * right_of(point.heading));
+    return grid_from_world(survey.grid, point_beside(line, chainage, to_right));
   };
   double start = 0;
   for (const CenterlineElement& element : line.elements()) {

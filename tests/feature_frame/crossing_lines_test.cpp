@@ -16,16 +16,6 @@ using tagsmith::detail::test::SeenTag;
 
 namespace {
 
-// Lines along the four strokes: the upper, the lower, the left and the right one.
-std::vector<PlaneCover> lines_of(const SeenTag& tag) {
-  constexpr double kFar = 200;
-  const double stroke = tag.stroke, light = tag.black;
-  return {{-kFar, SeenTag::kTop - stroke, kFar, SeenTag::kTop, light},
-          {-kFar, tag.bottom(), kFar, tag.bottom() + stroke, light},
-          {SeenTag::kLeft - stroke, -kFar, SeenTag::kLeft, kFar, light},
-          {tag.right(), -kFar, tag.right() + stroke, kFar, light}};
-}
-
 bool lies_between_crossing_lines(const SeenTag& tag) {
   const GrayImage image = tag.image();
   const auto frame = refine_frame(image.view(), tag.corners());
@@ -38,7 +28,7 @@ bool lies_between_crossing_lines(const SeenTag& tag) {
 TEST_CASE("a frame lies between crossing lines where most of its strokes' ends go on") {
   SeenTag tag;
   CHECK(!lies_between_crossing_lines(tag));
-  const std::vector<PlaneCover> lines = lines_of(tag);
+  const std::vector<PlaneCover> lines = tag.lines_along_strokes();
   for (std::size_t count = 1; count <= lines.size(); ++count) {
     CAPTURE(count);
     tag.covers.push_back(lines[count - 1]);
@@ -59,7 +49,7 @@ TEST_CASE("a frame around which everything is dark does not lie between lines") 
 
 TEST_CASE("lines that leave the picture beside a frame's corners are not seen to go on") {
   SeenTag tag;
-  tag.covers = lines_of(tag);
+  tag.covers = tag.lines_along_strokes();
   CHECK(lies_between_crossing_lines(tag));
   tag.width = 276;  // the right stroke ends at 273
   CHECK(!lies_between_crossing_lines(tag));

@@ -186,10 +186,8 @@ TEST_CASE("what lies between crossing wires is passed over before anything is re
   ReadOptions options;
   options.tell_passed_over = true;
   SeenTag tag = seen_aslant();
-  constexpr double kFar = 200;
-  tag.covers = {{-kFar, SeenTag::kTop - tag.stroke, kFar, SeenTag::kTop, tag.black},
-                {-kFar, tag.bottom(), kFar, tag.bottom() + tag.stroke, tag.black},
-                {SeenTag::kLeft - tag.stroke, -kFar, SeenTag::kLeft, kFar, tag.black}};
+  tag.covers = tag.lines_along_strokes();
+  tag.covers.pop_back();
   Looked looked(tag, options);
   looked.detector.consider(looked.outline());
   const ReadResult result = looked.detector.result();

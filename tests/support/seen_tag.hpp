@@ -88,6 +88,15 @@ struct SeenTag {
             view.pixel({kLeft, bottom()})};
   }
 
+  // Black lines without an end along its strokes: the upper, the lower, the left and the right one.
+  std::vector<PlaneCover> lines_along_strokes() const {
+    constexpr double kFar = 200;
+    return {{-kFar, kTop - stroke, kFar, kTop, black},
+            {-kFar, bottom(), kFar, bottom() + stroke, black},
+            {kLeft - stroke, -kFar, kLeft, kFar, black},
+            {right(), -kFar, right() + stroke, kFar, black}};
+  }
+
   BarRegion region() const {
     const double middle = (bars_top + bars_bottom) / 2;
     const PixelPoint left = view.pixel({-47.5, middle}), right = view.pixel({47.5, middle});
