@@ -99,7 +99,8 @@ Json suspicion_json(const RigSuspicion& suspicion, const Rig& rig) {
   for (const RigSuspect& suspect : suspicion.suspects) {
     const bool is_of_all = suspect.camera.empty();
     const bool is_position = suspect.parameter == RigParameter::position;
-    const double unit = is_of_all || is_position ? 1
+    const double unit = is_of_attitudes(suspect)   ? degrees(1.0)
+                        : is_of_all || is_position ? 1
                         : suspect.parameter == RigParameter::focal
                             ? find_camera(rig, suspect.camera)->camera.fx
                             : degrees(1.0);
@@ -163,6 +164,9 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
   values["assumed"] = assumed;
   if (const auto& suspicion = findings.checked.suspicion) {
     values["rig_suspicion"] = suspicion_json(*suspicion, rig);
+  }
+  if (const auto& text = findings.checked.contradicted; !text.empty()) {
+    values["contradicted"] = text;
   }
   if (findings.rolling) {
     values["rolling_shutter"] = {{"text", to_string(*findings.rolling)},

@@ -357,14 +357,14 @@ Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& in
 
 // Why no position of the run should be used; empty = nothing says so.
 std::string doubt_of(const RunFindings& findings, const Rig& rig) {
-  const auto& suspicion = findings.checked.suspicion;
-  return suspicion ? doubt_in_words(*suspicion, rig) : findings.travel.why();
+  const std::string doubt = doubt_in_words(findings.checked, rig);
+  return doubt.empty() ? findings.travel.why() : doubt;
 }
 
 void print_doubts(const RunFindings& findings, const Rig& rig) {
   constexpr const char* kDoubt = "do not rely on these positions";
-  if (const auto& suspicion = findings.checked.suspicion) {
-    to_stdout("{}\n", doubt_in_words(*suspicion, rig));
+  if (const std::string doubt = doubt_in_words(findings.checked, rig); !doubt.empty()) {
+    to_stdout("{}\n", doubt);
   }
   if (findings.rolling) to_stdout("note: {}\n", to_string(*findings.rolling));
   if (findings.course) to_stdout("note: {}\n", to_string(*findings.course));

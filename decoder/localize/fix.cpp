@@ -34,10 +34,12 @@ constexpr auto kKindWords = std::to_array<KindWords>({
     {"plate_place", "the place of "},
     {"wall_places", "the width of the tunnel or the spacing of the plates"},
     {"wall_shift", "a common shift of the plates of one wall: "},
+    {"wall_turn", "a common lean or slope of the plates"},
     {"plate_size", "the size of the plates"},
     {"mounting", "the mounting of camera "},
     {"lens", "the lens of camera "},
     {"all_lenses", "the focal length of all cameras"},
+    {"rolling_shutter", "a rolling shutter of cameras whose readout is not stated"},
     {"range", "the range "},
     {"vehicle_height", "the height of the vehicle"},
     {"all_mountings", "the mounting of all cameras together"},
@@ -55,7 +57,9 @@ const KindWords& words_of(Unchecked::Kind kind) {
 const char* to_string(Unchecked::Kind kind) { return words_of(kind).kind; }
 
 std::string to_string(const Unchecked& unchecked) {
-  return words_of(unchecked.kind).mistake + unchecked.name;
+  const bool of_one_wall = unchecked.kind == Unchecked::Kind::wall_turn && !unchecked.name.empty();
+  return words_of(unchecked.kind).mistake + (of_one_wall ? " of one wall: " : std::string()) +
+         unchecked.name;
 }
 
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }

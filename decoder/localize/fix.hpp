@@ -66,15 +66,17 @@ struct FittedCorners {
 // A mistake that nothing in the measurement would reveal if it were made.
 struct Unchecked {
   enum class Kind {
-    plate_place,     // a plate hangs elsewhere than surveyed; `name`: the tag
-    wall_places,     // the plates of both walls farther out, or all of them along the drive
-    wall_shift,      // the plates of one wall are shifted alike; `name`: the wall
-    plate_size,      // plates are of another size than the template
-    mounting,        // a camera stands or looks otherwise; `name`: the camera
-    lens,            // a camera's focal length, centre or distortion; `name`: the camera
-    all_lenses,      // the same for all cameras
-    range,           // a range sensor measures something else; `name`: the range
-    vehicle_height,  // the vehicle is higher or lower than the rig says
+    plate_place,      // a plate hangs elsewhere than surveyed; `name`: the tag
+    wall_places,      // the plates of both walls farther out, or all of them along the drive
+    wall_shift,       // the plates of one wall are shifted alike; `name`: the wall
+    wall_turn,        // the plates of both walls lean alike, or follow a slope alike
+    plate_size,       // plates are of another size than the template
+    mounting,         // a camera stands or looks otherwise; `name`: the camera
+    lens,             // a camera's focal length, centre or distortion; `name`: the camera
+    all_lenses,       // the same for all cameras
+    rolling_shutter,  // cameras without a stated readout read their rows one after another
+    range,            // a range sensor measures something else; `name`: the range
+    vehicle_height,   // the vehicle is higher or lower than the rig says
     // What no single measurement can reveal, so that every position lists it: all cameras are
     // displaced alike on the vehicle, all photos are of another moment, the survey is shifted or
     // turned as a whole.

@@ -17,9 +17,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
 // How large a gross mistake may be.
-constexpr double kShift = 1.0;   // metres, of a plate, a camera, a wall
-constexpr double kTurn = 1.0;    // radians, of a camera
-constexpr double kLean = 0.1;    // radians, of a plate against its wall
+constexpr double kShift = 1.0;  // metres, of a plate, a camera, a wall
+constexpr double kTurn = 1.0;   // radians, of a camera
+constexpr double kLean = 0.1;   // radians, of a plate against its wall
+constexpr double kWay = 0.1;  // metres, while a rolling shutter passes over an image: 3 m/s, 33 ms
 constexpr double kShare = 0.3;   // of a length: focal length, size of plates, spacing
 constexpr double kCenter = 100;  // pixels, of a principal point
 constexpr double kBent = 0.3;    // k1 of a lens
@@ -88,12 +89,20 @@ class Effects {
 
   void add_plates();
   void add_walls();
+  void add_wall_turns();
   void add_cameras();
+  void add_shutters();
   void add_ranges_and_height();
 
   const std::vector<MistakeEffect>& all() const { return effects_; }
 
  private:
+  std::ptrdiff_t plates_on(Side side) const {
+    return std::ranges::count_if(fit_.rows.plates, [&](const WhitenedRows::Plate& group) {
+      return problem_.plates[group.plate].side == side;
+    });
+  }
+
   const JointProblem& problem_;
   const JointFit& fit_;
   std::vector<SeenRows> seen_;
@@ -161,14 +170,30 @@ void Effects::add_walls() {
     return rows;
   });
   for (const Side side : {Side::left, Side::right}) {
-    const auto count = std::ranges::count_if(fit_.rows.plates, [&](const auto& group) {
-      return problem_.plates[group.plate].side == side;
-    });
-    if (count < 2) continue;  // add_plates has it
+    if (plates_on(side) < 2) continue;  // add_plates has it
     add(Unchecked::Kind::wall_shift, to_string(side), 3, [&](const SeenRows& seen) -> Rows {
       if (problem_.plates[seen.plate].side != side) return Rows::Zero(kSightingRows, 3);
       return kShift * seen.rows.by_plate.leftCols<3>();
     });
+  }
+}
+
+// The plates of both walls, or of one, that are turned alike: they lean, stand out from the wall at
+// one end, or follow a slope.
+void Effects::add_wall_turns() {
+  const auto add_turn = [&](std::string name, auto hangs_there) {
+    add(Unchecked::Kind::wall_turn, std::move(name), 3, [&](const SeenRows& seen) -> Rows {
+      const SightedPlate& plate = problem_.plates[seen.plate];
+      if (!hangs_there(plate)) return Rows::Zero(kSightingRows, 3);
+      const double mirrored = plate.side == Side::left ? kLean : -kLean;
+      const Vector3d gross(kLean, mirrored, mirrored);
+      return seen.rows.by_plate.rightCols<3>() * gross.asDiagonal();
+    });
+  };
+  add_turn("", [](const SightedPlate&) { return true; });
+  for (const Side side : {Side::left, Side::right}) {
+    if (plates_on(side) < 2) continue;  // add_plates has it
+    add_turn(to_string(side), [side](const SightedPlate& plate) { return plate.side == side; });
   }
 }
 
@@ -186,6 +211,17 @@ void Effects::add_cameras() {
   }
   add(Unchecked::Kind::all_lenses, "", 4,
       [&](const SeenRows& seen) -> Rows { return by_lens(seen.rows); });
+}
+
+// The vehicle drives on while cameras whose readout the rig does not state read their rows, each as
+// slowly as it may be.
+void Effects::add_shutters() {
+  const auto is_unstated = [](const RigCamera& camera) { return !camera.readout; };
+  if (std::ranges::none_of(problem_.rig->cameras, is_unstated)) return;
+  add(Unchecked::Kind::rolling_shutter, "", 6, [&](const SeenRows& seen) -> Rows {
+    if (!is_unstated(problem_.rig->cameras[seen.camera])) return Rows::Zero(kSightingRows, 6);
+    return seen.rows.by_calibration.rightCols<6>() * motion_sigmas(kWay).asDiagonal();
+  });
 }
 
 void Effects::add_ranges_and_height() {
@@ -225,7 +261,9 @@ std::vector<Unchecked> unchecked_by(const JointProblem& problem, const JointFit&
   Effects effects(problem, fit);
   effects.add_plates();
   effects.add_walls();
+  effects.add_wall_turns();
   effects.add_cameras();
+  effects.add_shutters();
   effects.add_ranges_and_height();
   // A chi-square as large as the fit's own was not refused either.
   const double unnoticed =

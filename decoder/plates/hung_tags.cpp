@@ -555,11 +555,16 @@ void set_survey_sigma(SightedPlate& plate, double sigma, double angle_sigma) {
   plate.survey_variance.tail<3>().setConstant(angle_sigma * angle_sigma);
 }
 
-std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,
-                                     std::span<const SightedTag> sighted) {
+std::optional<RigDoubt> rig_doubt(const Survey& survey, const Rig& rig,
+                                  std::span<const SightedTag> sighted) {
   if (!stands_level(rig)) return std::nullopt;
   const auto suspicion = suspect_rig(rows_of(survey, rig, sighted), survey, rig);
-  return suspicion ? std::optional(describe(*suspicion, rig)) : std::nullopt;
+  if (!suspicion) return std::nullopt;
+  RigDoubt doubt{describe(*suspicion, rig), {}};
+  if (std::ranges::all_of(suspicion->suspects, is_of_attitudes)) {
+    doubt.turned = with_turned_plates(survey, suspicion->suspects.front());
+  }
+  return doubt;
 }
 
 std::string in_words(const MixedStations& mixed, const Rig& rig) {
@@ -574,8 +579,13 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   auto doubt = rig_doubt(survey, rig, sighted);
   if (!doubt) return hung_as_surveyed(survey, rig, sighted, tolerance);
   HungTags result;
-  result.nothing_fits = true;
-  result.rig_doubt = std::move(*doubt);
+  if (doubt->turned) {
+    result = hung_as_surveyed(*doubt->turned, rig, sighted, tolerance);
+    result.turned = std::move(doubt->text);
+  } else {
+    result.nothing_fits = true;
+    result.rig_doubt = std::move(doubt->text);
+  }
   return result;
 }
 

@@ -76,7 +76,8 @@ struct HungTags {
   std::vector<std::string> assumed;  // what survey and rig do not state; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
   std::string rig_doubt{};  // the value of the rig that is why (rig_suspicion.hpp), or empty
-  std::string revision{};   // of the survey, where files were judged (hanging_check.hpp)
+  std::string turned{};  // in words, how all plates are turned alike (rig_suspicion.hpp), or empty
+  std::string revision{};  // of the survey, where files were judged (hanging_check.hpp)
 };
 
 // Least standard deviations that are assumed for the survey of plates: a survey that states none
@@ -102,10 +103,17 @@ std::string in_words(const MixedStations& mixed, const Rig& rig);
 // would help; nothing when all are connected by photos.
 std::optional<std::string> untied_in_words(std::span<const UntiedPair> untied);
 
-// Which value of the rig explains that the pictures contradict it in one and the same way
-// (suspect_rig), in words; nothing where none does, and for cameras held by hand.
-std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,
-                                     std::span<const SightedTag> sighted);
+struct RigDoubt {
+  std::string text;
+  // Where only the attitudes that plates have in common are in doubt: with what they likely are.
+  // Where each plate hangs can be measured with it.
+  std::optional<Survey> turned;
+};
+
+// What explains that the pictures contradict rig or survey in one and the same way (suspect_rig),
+// in words; nothing where nothing does, and for cameras held by hand.
+std::optional<RigDoubt> rig_doubt(const Survey& survey, const Rig& rig,
+                                  std::span<const SightedTag> sighted);
 
 // find_consensus of the sighted tags, in words. Sightings of codes that the survey does not have
 // are not used to judge others; where they hang is determined by the tags that fit.

@@ -22,8 +22,8 @@ Fix LiveDrive::next(const LocalizeOne& localize, std::optional<double> time) {
   fix.notes.insert(fix.notes.end(), set_aside_notes_.begin(), set_aside_notes_.end());
   if (time) fix = follow_track(track_, std::move(fix), *time);
   fix = doubts_.judged(std::move(fix), aside_.all(), *rig_);
-  if (!check.suspicion || !fix.doubt.empty()) return fix;
-  return doubted(std::move(fix), doubt_in_words(*check.suspicion, *rig_));
+  const std::string doubt = doubt_in_words(check, *rig_);
+  return doubt.empty() || !fix.doubt.empty() ? fix : doubted(std::move(fix), doubt);
 }
 
 }  // namespace tagsmith::detail

@@ -131,10 +131,12 @@ struct Stated {
   // True when the other rig clearly explains differences that otherwise, row by row and always
   // alike, the plates' tolerances would have to absorb.
   bool is_beaten_by(const Explained& other) const {
-    constexpr double kDecisive = 25;  // of chi-square: odds of 270 000
     return explained && other.sightings >= explained->sightings &&
-           explained->chi_square - other.chi_square > excess * kDecisive;
+           explained->chi_square - other.chi_square > decisive_gain();
   }
+
+  // Of chi-square: odds of 270 000.
+  double decisive_gain() const { return 25 * excess; }
 };
 
 // True when chi-square is no more than noise.
@@ -314,20 +316,56 @@ void try_focal_lengths(const Survey& survey, const Rig& rig, const Stated& as_st
   take_if_sure(*with, suspect, stated_sigma, kOfParameter * (cameras - 1), result);
 }
 
-Drive with_plates_of(double size, Drive drive) {
-  for (SightedPlate& plate : drive.plates) {
-    plate.length *= size;
-    plate.height *= size;
-  }
+// What is tried for plates: a change by `value` that all of them, or those of a wall, have in
+// common, 0 = none.
+struct PlateTrial {
+  RigParameter parameter;
+  void (*change)(SightedPlate& plate, double value);
+};
+
+// `value`: the logarithm of the plates' size.
+void resize(SightedPlate& plate, double value) {
+  plate.length *= std::exp(value);
+  plate.height *= std::exp(value);
+}
+
+void turn(SightedPlate& plate, double angle, const Eigen::Vector3d& axis) {
+  plate.world_from_plate.rotation *= Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+// Plates of both walls rise along the drive by this angle.
+void follow_slope(SightedPlate& plate, double value) {
+  turn(plate, plate.side == Side::left ? -value : value, Eigen::Vector3d::UnitZ());
+}
+
+// The upper edge forward, as the survey's `tilt`.
+void tilt(SightedPlate& plate, double value) { turn(plate, value, Eigen::Vector3d::UnitX()); }
+
+template <Side side>
+void tilt_of_wall(SightedPlate& plate, double value) {
+  if (plate.side == side) tilt(plate, value);
+}
+
+constexpr std::array<PlateTrial, 5> kPlateTrials{{
+    {RigParameter::plate_size, resize},
+    {RigParameter::plate_slope, follow_slope},
+    {RigParameter::plate_tilt, tilt},
+    {RigParameter::left_plate_tilt, tilt_of_wall<Side::left>},
+    {RigParameter::right_plate_tilt, tilt_of_wall<Side::right>},
+}};
+
+Drive changed(const PlateTrial& trial, double value, Drive drive) {
+  for (SightedPlate& plate : drive.plates) trial.change(plate, value);
   return drive;
 }
 
-// The logarithm of the plates' size with which a drive fits best: the best of a grid, then the
-// vertex of a parabola through it and its neighbours, which come nearer each time. Nothing where no
-// fit converges.
-std::optional<double> best_log_size(const std::function<double(double)>& chi_square) {
+// The value with which a drive fits best: the best of a grid, then the vertex of a parabola through
+// it and its neighbours, which come nearer each time. Nothing where no fit converges, nor where
+// none promises a chi-square that is less than that of 0 by `least_gain`.
+std::optional<double> best_value(const std::function<double(double)>& chi_square,
+                                 double least_gain) {
   constexpr double kStep = 0.05;
-  constexpr int kSteps = 8;  // to each side: of two thirds to one and a half
+  constexpr int kSteps = 8;  // to each side: sizes of two thirds to one and a half, 23 degrees
   double best = 0;
   for (const double way : {-kStep, kStep}) {
     int worse = 0;  // one after another: twice, and the minimum is behind
@@ -337,6 +375,11 @@ std::optional<double> best_log_size(const std::function<double(double)>& chi_squ
       worse = here < chi_square((step - 1) * way) ? 0 : worse + 1;
       if (here < chi_square(best)) best = step * way;
     }
+  }
+  if (best == 0) {
+    const double before = chi_square(-kStep), after = chi_square(kStep);
+    const double bend = before + after - 2 * chi_square(0);
+    if (std::pow(before - after, 2) < 8 * bend * least_gain) return std::nullopt;
   }
   double step = kStep;
   for (int round = 0; round < 4; ++round, step /= 5) {
@@ -351,41 +394,44 @@ std::optional<double> best_log_size(const std::function<double(double)>& chi_squ
 }
 
 // All plates larger or smaller than their template, as a print that was scaled, or another
-// template.
-void try_plate_size(const Survey& survey, const Rig& rig, const Stated& as_stated,
-                    std::vector<Candidate>& result) {
+// template; or turned alike, as on walls that lean.
+void try_plates(const Survey& survey, const Rig& rig, const Stated& as_stated,
+                const PlateTrial& trial, std::vector<Candidate>& result) {
   const std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
   std::map<double, double> known;
-  const auto chi_square = [&](double log_size) {
-    const auto [entry, is_new] =
-        known.try_emplace(log_size, std::numeric_limits<double>::infinity());
+  const auto chi_square = [&](double value) {
+    const auto [entry, is_new] = known.try_emplace(value, std::numeric_limits<double>::infinity());
     if (!is_new) return entry->second;
-    const Drive drive = with_plates_of(std::exp(log_size), *as_stated.drive);
-    if (const auto fit = fit_drive(survey, drive, rig, sigmas)) {
+    if (const auto fit = fit_drive(survey, changed(trial, value, *as_stated.drive), rig, sigmas)) {
       entry->second = fit->adjustment.chi_square;
     }
     return entry->second;
   };
-  const auto best = best_log_size(chi_square);
+  const auto best = best_value(chi_square, as_stated.decisive_gain());
   if (!best) return;
   constexpr double kAside = 0.002;
-  const Drive sized = with_plates_of(std::exp(*best), *as_stated.drive);
-  const auto fit = fit_drive(survey, sized, rig, sigmas);
-  const auto with = explained(survey, sized, rig, sigmas, as_stated.excess);
+  const Drive drive = changed(trial, *best, *as_stated.drive);
+  const auto fit = fit_drive(survey, drive, rig, sigmas);
+  const auto with = explained(survey, drive, rig, sigmas, as_stated.excess);
   const double rise =
       chi_square(*best - kAside) + chi_square(*best + kAside) - 2 * chi_square(*best);
   if (!fit || !with || !is_better(*with, as_stated) || !(rise > 0)) return;
-  RigSuspect suspect{"", RigParameter::plate_size, 1, std::exp(*best)};
-  suspect.sigma = std::sqrt(2 * usual_excess(*fit, sized) / rise) * kAside;
-  take_if_sure(*with, suspect, 0, kOfParameter, result);
+  const bool is_size = trial.parameter == RigParameter::plate_size;
+  RigSuspect suspect{"", trial.parameter, is_size ? 1.0 : 0.0, is_size ? std::exp(*best) : *best};
+  suspect.sigma = std::sqrt(2 * usual_excess(*fit, drive) / rise) * kAside;
+  // A turn that all plates have in common moves positions of two to four tags by more than three of
+  // their standard deviations from twice the stated one on.
+  const double stated_sigma = is_of_attitudes(suspect) ? survey.angle_sigma / 2 : 0;
+  take_if_sure(*with, suspect, stated_sigma, kOfParameter, result);
 }
 
-// Rigs, and plates of another size, that explain the rows much better than the rig as stated.
+// Rigs, and plates of another size or attitude, that explain the rows much better than the rig as
+// stated.
 std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Stated& as_stated) {
   std::vector<Candidate> result;
   try_cameras(survey, rig, as_stated, result);
   try_focal_lengths(survey, rig, as_stated, result);
-  try_plate_size(survey, rig, as_stated, result);
+  for (const PlateTrial& trial : kPlateTrials) try_plates(survey, rig, as_stated, trial, result);
   return result;
 }
 
@@ -405,8 +451,25 @@ NamedYaw named_yaw(const RigCamera& camera) {
   return {"alpha", *camera.side == Side::left ? -1.0 : 1.0, std::numbers::pi / 2};
 }
 
+int decimals_of(const RigSuspect& suspect) { return degrees(suspect.sigma) < 0.01 ? 3 : 2; }
+
+// "plates of the left wall that lean back by 2.00 +-0.02 degrees more than the survey says"
+std::string words_for_turned_plates(const RigSuspect& suspect) {
+  const bool is_slope = suspect.parameter == RigParameter::plate_slope;
+  const bool is_forward = suspect.expected > 0;
+  return fmt::format("plates of {} that {} by {:.{}f} +-{:.{}f} degrees against the survey",
+                     suspect.parameter == RigParameter::left_plate_tilt    ? "the left wall"
+                     : suspect.parameter == RigParameter::right_plate_tilt ? "the right wall"
+                                                                           : "both walls",
+                     is_slope ? (is_forward ? "rise along the drive" : "fall along the drive")
+                              : (is_forward ? "lean forward" : "lean back"),
+                     std::abs(degrees(suspect.expected)), decimals_of(suspect),
+                     degrees(suspect.sigma), decimals_of(suspect));
+}
+
 // "left: alpha 40.00 +-0.01 degrees in place of 35.00"
 std::string words_for(const RigSuspect& suspect, const Rig& rig) {
+  if (is_of_attitudes(suspect)) return words_for_turned_plates(suspect);
   if (suspect.camera.empty()) {
     const bool is_size = suspect.parameter == RigParameter::plate_size;
     return fmt::format("{} {:.4f} +-{:.4f} times {}",
@@ -428,7 +491,7 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
         suspect.camera, 1000 * suspect.expected, std::max(1.0, 1000 * suspect.sigma), mm.x(),
         mm.y(), mm.z());
   }
-  const int decimals = degrees(suspect.sigma) < 0.01 ? 3 : 2;
+  const int decimals = decimals_of(suspect);
   if (suspect.parameter == RigParameter::turn) {
     return fmt::format(
         "{}: a turn by {:.{}f} +-{:.{}f} degrees (to yaw {:.2f}, pitch {:.2f}, "
@@ -442,6 +505,19 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
   return fmt::format("{}: {} {:.{}f} +-{:.{}f} degrees in place of {:.2f}", suspect.camera,
                      named.name, degrees(named.of(suspect.expected)), decimals,
                      degrees(suspect.sigma), decimals, degrees(named.of(suspect.stated)));
+}
+
+// "; if so, add -2.0 degrees to the `tilt` of these tags in `placed`"
+std::string remedy_of(const RigSuspect& suspect) {
+  const double angle = degrees(suspect.expected);
+  if (suspect.parameter == RigParameter::plate_slope) {
+    return fmt::format(
+        "; if so, add {:+.1f} degrees to the `roll` of the left wall's tags in `placed`, {:+.1f} "
+        "to "
+        "that of the right wall's",
+        -angle, angle);
+  }
+  return fmt::format("; if so, add {:+.1f} degrees to the `tilt` of these tags in `placed`", angle);
 }
 
 // The tilt of plates where the survey says nothing of it, or that plates hang exactly.
@@ -496,6 +572,14 @@ bool one_plate_explains(const Survey& survey, const Rig& rig, const Stated& as_s
 
 }  // namespace
 
+bool is_of_plates(const RigSuspect& suspect) {
+  return suspect.parameter >= RigParameter::plate_size;
+}
+
+bool is_of_attitudes(const RigSuspect& suspect) {
+  return suspect.parameter > RigParameter::plate_size;
+}
+
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig) {
   const std::vector<Observation> compared = compared_rows(rows);
@@ -508,7 +592,8 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
   suspicion.rows = drive.stations.size();
   suspicion.by_one_camera = count_seeing(drive, rig) == 1;
   suspicion.rows_as_stated = as_stated.rows();
-  if (2 * suspicion.rows_as_stated > suspicion.rows) {
+  if (2 * suspicion.rows_as_stated > suspicion.rows &&
+      fits_well(*as_stated.explained, as_stated.excess)) {
     const auto any = explained(survey, drive, rig, any_sigmas(rig), as_stated.excess);
     if (!any || !as_stated.is_beaten_by(*any)) return std::nullopt;
   }
@@ -520,9 +605,29 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
   return suspicion;
 }
 
+Survey with_turned_plates(Survey survey, const RigSuspect& suspect) {
+  const auto trial = std::ranges::find(kPlateTrials, suspect.parameter, &PlateTrial::parameter);
+  for (PlacedTag& tag : survey.tags) {
+    SightedPlate plate{tag.name, tag.side, tag.world_from_plate};
+    trial->change(plate, suspect.expected);
+    tag.world_from_plate = plate.world_from_plate;
+  }
+  return survey;
+}
+
 const char* to_string(RigParameter parameter) {
-  constexpr std::array kNames{"yaw", "pitch", "roll", "turn", "focal", "position", "plate_size"};
-  static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::plate_size) + 1);
+  constexpr std::array kNames{"yaw",
+                              "pitch",
+                              "roll",
+                              "turn",
+                              "focal",
+                              "position",
+                              "plate_size",
+                              "plate_slope",
+                              "plate_tilt",
+                              "left_plate_tilt",
+                              "right_plate_tilt"};
+  static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::right_plate_tilt) + 1);
   return kNames[static_cast<std::size_t>(parameter)];
 }
 
@@ -535,14 +640,19 @@ std::string describe(const RigSuspicion& suspicion, const Rig& rig) {
     }
   }
   const bool by_rows = 2 * suspicion.rows_as_stated <= suspicion.rows;
-  return fmt::format(
-      "{} would explain {} of {} rows {}", fmt::join(words, ", or "),
-      suspicion.suspects.front().rows_explained, suspicion.rows,
-      by_rows ? fmt::format("({} as it is)", suspicion.rows_as_stated) : "far better than the rig");
+  const RigSuspect& likeliest = suspicion.suspects.front();
+  return fmt::format("{} would explain {} of {} rows {}{}", fmt::join(words, ", or "),
+                     likeliest.rows_explained, suspicion.rows,
+                     by_rows ? fmt::format("({} as it is)", suspicion.rows_as_stated)
+                     : is_of_plates(likeliest) ? "far better than the survey"
+                                               : "far better than the rig",
+                     is_of_attitudes(likeliest) ? remedy_of(likeliest) : "");
 }
 
 std::string doubt_in_words(const RigSuspicion& suspicion, const Rig& rig) {
-  return "the rig is in doubt: " + describe(suspicion, rig);
+  const bool of_plates = std::ranges::all_of(suspicion.suspects, is_of_plates);
+  return (of_plates ? "the plates are in doubt: " : "the rig is in doubt: ") +
+         describe(suspicion, rig);
 }
 
 }  // namespace tagsmith::detail

@@ -14,17 +14,32 @@
 
 namespace tagsmith::detail {
 
-enum class RigParameter { yaw, pitch, roll, turn, focal, position, plate_size };
+// Of a camera, then of the plates of both walls or of one: their size, by how much they rise along
+// the drive, and the survey's `tilt`.
+enum class RigParameter {
+  yaw,
+  pitch,
+  roll,
+  turn,
+  focal,
+  position,
+  plate_size,
+  plate_slope,
+  plate_tilt,
+  left_plate_tilt,
+  right_plate_tilt,
+};
 
-// "yaw", "pitch", "roll", "turn", "focal", "position".
+// "yaw", "pitch", ...
 const char* to_string(RigParameter parameter);
 
 // A single value of the rig, or a camera's turn about any axis or its place, that would explain
 // what the tags show.
 struct RigSuspect {
-  std::string camera;  // empty = all cameras: their focal lengths, or the plates' size
+  std::string camera;  // empty = the focal lengths of all cameras, or what plates have in common
   RigParameter parameter = RigParameter::yaw;
-  double stated = 0;  // radians; of focal lengths and plates' size 1, of a turn and a position 0
+  double stated = 0;  // radians; of focal lengths and plates' size 1, of a turn, a position and
+                      // plates' attitudes 0
   double expected = 0;
   double sigma = 0;  // of the expected value
   std::size_t rows_explained = 0;
@@ -33,6 +48,11 @@ struct RigSuspect {
   // sigma.
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
 };
+
+// True of the plates' size and of what turns them.
+bool is_of_plates(const RigSuspect& suspect);
+// True of what turns them.
+bool is_of_attitudes(const RigSuspect& suspect);
 
 struct RigSuspicion {
   // Those that explain equally many rows, the likeliest first: the rows do not distinguish them.
@@ -45,14 +65,18 @@ struct RigSuspicion {
 };
 
 // Compares the rig as stated with rigs in which one value of one camera is another, or one camera
-// is turned about any axis or stands elsewhere. A row is explained when all its tags fit. Plates
-// are tilted by what the survey states, or as single pictures show. A rig is suspected when another
-// explains three rows and seven in ten, twice as many as the rig as stated or all of them so much
-// better that the plates' tolerances would have to absorb the same in every row (odds of 270 000),
-// and when that one differs by four standard deviations and more from what the rig states; unless
-// one plate that hangs wrong explains them about as well.
+// is turned about any axis or stands elsewhere, and with plates that are all of another size or
+// turned alike. A row is explained when all its tags fit. Plates are tilted by what the survey
+// states, or as single pictures show. A rig is suspected when another explains three rows and seven
+// in ten, twice as many as the rig as stated or all of them so much better that the plates'
+// tolerances would have to absorb the same in every row (odds of 270 000), and when that one
+// differs by four standard deviations and more from what the rig states; unless one plate that
+// hangs wrong explains them about as well.
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig);
+
+// The survey with its plates turned as the likeliest suspect says, which is of attitudes.
+Survey with_turned_plates(Survey survey, const RigSuspect& suspect);
 
 // "left: alpha 40.0 +-0.1 degrees in place of 35.0 would explain 9 of 10 rows (2 as it is)"; alpha
 // of level cameras that look to a side.

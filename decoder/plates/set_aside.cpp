@@ -156,7 +156,13 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
   };
   for (std::size_t survey = 0; survey < surveys.size(); ++survey) {
     const HungTags hung = check_rows(rows, surveys, survey, rig);
-    if (hung.nothing_fits) continue;
+    if (hung.nothing_fits) {
+      result.contradicted = fmt::format(
+          "more than half of the tags seen contradict survey {}: are these its photos, and are rig "
+          "and survey right?",
+          surveys[survey].name);
+      continue;
+    }
     const auto add = [&](const HungTag& tag, std::span<const std::size_t> of) {
       if (tag.verdict == HangVerdict::off) keep({survey, tag.tag, tag.rule, tag.message, {}}, of);
     };
@@ -176,6 +182,10 @@ RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<S
   return result;
 }
 
+std::string doubt_in_words(const RunCheck& check, const Rig& rig) {
+  return check.suspicion ? doubt_in_words(*check.suspicion, rig) : check.contradicted;
+}
+
 bool LiveSetAside::take(Observation seen, const Fix& fix) {
   constexpr std::size_t kMost = 40;
   constexpr std::size_t kParts = 4;
@@ -190,7 +200,7 @@ bool LiveSetAside::take(Observation seen, const Fix& fix) {
 }
 
 RunCheck LiveSetAside::learn(Observation seen, const Fix& fix, const Rig& rig) {
-  if (!take(std::move(seen), fix)) return {{}, {}, suspicion_};
+  if (!take(std::move(seen), fix)) return {{}, {}, suspicion_, contradicted_};
   since_compared_ = 0;
   std::vector<Observation> rows;
   for (const Past& past : last_) {
@@ -209,6 +219,7 @@ RunCheck LiveSetAside::learn(Observation seen, const Fix& fix, const Rig& rig) {
   if (check.suspicion || found_none_) suspicion_ = check.suspicion;
   found_none_ = !check.suspicion;
   check.suspicion = suspicion_;
+  contradicted_ = check.contradicted;
   return check;
 }
 

@@ -29,15 +29,20 @@ struct SetAside {
 struct RunCheck {
   std::vector<SetAside> aside;
   std::vector<std::string> mixed;           // rows that have each other's photos, in words
-  std::optional<RigSuspicion> suspicion{};  // of the rig
+  std::optional<RigSuspicion> suspicion{};  // of the rig, or of all plates
+  std::string contradicted{};               // the survey that most tags contradict, in words
 };
 
 // Whether the rows contradict the rig (suspect_rig, by the survey whose tags are seen most); if
-// they do not, what hung_as_surveyed reports as certain, survey by survey, then by all surveys'
-// tags together: removes these tags from the rows, and adds a fault to each that says so. Doubtful
-// tags stay.
+// they do not, whether most tags contradict a survey, and what hung_as_surveyed reports as certain,
+// survey by survey, then by all surveys' tags together: removes these tags from the rows, and adds
+// a fault to each that says so. Doubtful tags stay.
 RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
                              const Rig& rig);
+
+// Why the rows together are not to be relied on: the suspicion, or the survey that is contradicted;
+// empty = nothing says so.
+std::string doubt_in_words(const RunCheck& check, const Rig& rig);
 
 // The same while the vehicle drives, from the last measurements.
 class LiveSetAside {
@@ -71,6 +76,7 @@ class LiveSetAside {
   std::size_t since_compared_ = 0;           // measurements
   bool found_none_ = false;                  // the last comparison, of suspicions
   std::optional<RigSuspicion> suspicion_{};  // that lasts
+  std::string contradicted_{};               // of the last comparison
 };
 
 }  // namespace tagsmith::detail

@@ -44,7 +44,8 @@ VehiclePose random_pose(const Site& site, Draws& draws) {
 // The plate's corners where the camera sees them; nothing when it does not see all of them well
 // enough to read.
 std::optional<FrameCorners> corners_in_image(const RigCamera& camera, const VehiclePose& vehicle,
-                                             const Pose& world_from_plate, const TagTemplate& tag) {
+                                             const Pose& world_from_plate, const TagTemplate& tag,
+                                             double way) {
   const double length = tag.frame_inner_length;
   const double height = tag.frame_inner_height;
   const Vector3d in_plate[] = {{0, 0, 0}, {length, 0, 0}, {length, height, 0}, {0, height, 0}};
@@ -54,7 +55,8 @@ std::optional<FrameCorners> corners_in_image(const RigCamera& camera, const Vehi
     const auto seen = observe_point(camera.camera, camera.vehicle_from_camera, frame,
                                     world_from_plate, in_plate[i]);
     if (!seen || !in_image(camera.camera, seen->pixel)) return std::nullopt;
-    corners[i] = {seen->pixel.x(), seen->pixel.y()};
+    const Eigen::Vector2d pixel = seen->pixel + way * seen->by_motion.col(0);
+    corners[i] = {pixel.x(), pixel.y()};
   }
   const double module_px = distance(corners[0], corners[1]) / (95 + 18);
   if (module_px < 0.6 || !is_convex(corners)) return std::nullopt;

@@ -23,8 +23,10 @@ VehiclePose random_pose(const Site& site, test::Draws& draws);
 
 // The plate's corners where the camera sees them; nothing when it does not see all of them well
 // enough to read.
+// `way`: metres that the vehicle drives while a rolling shutter passes over the image.
 std::optional<FrameCorners> corners_in_image(const RigCamera& camera, const VehiclePose& vehicle,
-                                             const Pose& world_from_plate, const TagTemplate& tag);
+                                             const Pose& world_from_plate, const TagTemplate& tag,
+                                             double way = 0);
 
 // The corners with noise of a covariance like the reader's, which they state.
 SeenCorners noisy(const FrameCorners& corners, test::Draws& draws);

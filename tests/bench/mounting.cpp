@@ -132,6 +132,10 @@ void shift(Site& site, std::size_t camera, double by, Draws& draws) {
   site.rig.cameras[camera].vehicle_from_camera.translation += by * draws.normals(1).normalized();
 }
 
+void turn_plates(Site& site, RigParameter how) {
+  site.survey = with_turned_plates(std::move(site.survey), {"", how, 0, radians(2)});
+}
+
 void zoom(Site& site, std::size_t camera, double factor) {
   site.rig.cameras[camera].camera.fx *= factor;
   site.rig.cameras[camera].camera.fy *= factor;
@@ -160,7 +164,16 @@ std::vector<Mistake> mistakes() {
       {"left camera 3 cm elsewhere", [](Site& site, Draws& draws) { shift(site, 0, 0.03, draws); },
        "left", RigParameter::position},
       {"right camera 6 cm elsewhere", [](Site& site, Draws& draws) { shift(site, 1, 0.06, draws); },
-       "right", RigParameter::position}};
+       "right", RigParameter::position},
+      {"plates along a slope of 2 degrees",
+       [](Site& site, Draws&) { turn_plates(site, RigParameter::plate_slope); }, "",
+       RigParameter::plate_slope},
+      {"both walls lean by 2 degrees",
+       [](Site& site, Draws&) { turn_plates(site, RigParameter::plate_tilt); }, "",
+       RigParameter::plate_tilt},
+      {"left wall leans by 2 degrees",
+       [](Site& site, Draws&) { turn_plates(site, RigParameter::left_plate_tilt); }, "",
+       RigParameter::left_plate_tilt}};
 }
 
 void print_suspicion(const Site& surveyed, const Mistake& mistake, int count, std::uint64_t seed) {

@@ -49,6 +49,7 @@ struct World {
   VehiclePose vehicle;
   std::vector<VehiclePose> vehicle_of_photo;  // a camera's each: where it stood when it took it
   std::vector<double> ranges;                 // a sensor's each, as measured
+  double way = 0;  // metres driven while rolling shutters pass over an image
 };
 
 double between(Draws& draws, double least, double most) {
@@ -143,6 +144,38 @@ void stretch_spacing(World& world, Draws& draws) {
     plate.world_from_plate.translation +=
         along * plate.world_from_plate.rotation.col(0) * (plate.tag.side == Side::left ? 1 : -1);
   }
+}
+
+// Plates that follow a slope of the floor instead of hanging level.
+void follow_slope(World& world, Draws& draws) {
+  const double slope = between(draws, 0.002, 0.15);
+  for (HungPlate& plate : world.plates) {
+    const double turn = plate.tag.side == Side::left ? slope : -slope;
+    plate.world_from_plate.rotation *=
+        Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix();
+  }
+}
+
+// Walls, and the plates on them, that lean outward.
+void lean_walls(World& world, Draws& draws) {
+  const Eigen::AngleAxisd lean(radians(between(draws, 0.2, 20)), Vector3d::UnitX());
+  for (HungPlate& plate : world.plates) plate.world_from_plate.rotation *= lean.toRotationMatrix();
+}
+
+// One of the walls alone.
+void lean_wall(World& world, Draws& draws) {
+  const Side side = draws.chance(0.5) ? Side::left : Side::right;
+  const Eigen::AngleAxisd lean(radians(between(draws, 0.2, 20)), Vector3d::UnitX());
+  for (HungPlate& plate : world.plates) {
+    if (plate.tag.side == side) plate.world_from_plate.rotation *= lean.toRotationMatrix();
+  }
+}
+
+// A load, or a flat tyre.
+void lean_vehicle(World& world, Draws& draws) {
+  world.vehicle.pitch += radians(between(draws, 0.3, 15));
+  world.vehicle.roll += radians(between(draws, 0.3, 15));
+  std::ranges::fill(world.vehicle_of_photo, world.vehicle);
 }
 
 // Where the photo of another moment was taken: a random row of the same drive.
@@ -250,6 +283,21 @@ std::vector<Mistake> mistakes() {
       {"spacing of all plates",
        {plate_place, wall_places},
        [](const Site&, World& w, Draws& d) { stretch_spacing(w, d); }},
+      {"plates along a slope",
+       {wall_turn},
+       [](const Site&, World& w, Draws& d) { follow_slope(w, d); }},
+      {"plates on leaning walls",
+       {wall_turn},
+       [](const Site&, World& w, Draws& d) { lean_walls(w, d); }},
+      {"plates on one leaning wall",
+       {plate_place, wall_turn},
+       [](const Site&, World& w, Draws& d) { lean_wall(w, d); }},
+      {"lean of the vehicle",
+       {vehicle_height},
+       [](const Site&, World& w, Draws& d) { lean_vehicle(w, d); }},
+      {"rolling shutters, not stated",
+       {rolling_shutter},
+       [](const Site&, World& w, Draws& d) { w.way = between(d, 0.002, 0.1); }},
       {"one photo of another row",
        {mounting},
        [](const Site& s, World& w, Draws& d) { photo_elsewhere(s, w, d, false); }},
@@ -290,8 +338,8 @@ Observation observed(const Site& site, const World& world, Draws& draws) {
   for (std::size_t c = 0; c < world.rig.cameras.size(); ++c) {
     const RigCamera& camera = world.rig.cameras[c];
     for (const HungPlate& plate : world.plates) {
-      const auto corners = bench::corners_in_image(camera, world.vehicle_of_photo[c],
-                                                   plate.world_from_plate, world.tag_template);
+      const auto corners = bench::corners_in_image(
+          camera, world.vehicle_of_photo[c], plate.world_from_plate, world.tag_template, world.way);
       if (!corners) continue;
       observation.tags.push_back({camera.name, 0, plate.tag, bench::noisy(*corners, draws), {}});
     }
@@ -370,7 +418,8 @@ void print_row(std::string_view name, const Tally& tally) {
              tally.named, tally.never, tally.untold, tally.most);
 }
 
-// The shipped surveys, each with a careful calibration and with an unstated one's deviations.
+// The shipped surveys, each with a careful calibration and with an unstated one's deviations, all
+// of these with two cameras and with one.
 std::vector<Site> drawn_sites() {
   std::vector<Site> sites;
   for (const char* name : {"corridor", "curved"}) {
@@ -388,6 +437,11 @@ std::vector<Site> drawn_sites() {
           usual_calibration(IntrinsicsSource::data_sheet, camera.camera.width);
     }
     sites.push_back(std::move(*site));
+  }
+  for (std::size_t i = 0, both = sites.size(); i < both; ++i) {
+    Site lone = sites[i];
+    lone.rig.cameras.erase(lone.rig.cameras.begin() + 1, lone.rig.cameras.end());
+    sites.push_back(std::move(lone));
   }
   return sites;
 }

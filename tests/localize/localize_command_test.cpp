@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 #include "tests/localize/runs.hpp"
 #include "tests/support/program.hpp"
 
@@ -528,6 +529,38 @@ TEST_CASE("no row of a run that contradicts its rig is confirmed") {
   }
   const json summary = json_lines(run_tagsmith(command + " --confirmed").out).back()["summary"];
   CHECK(summary["located"] == 0);
+}
+
+TEST_CASE("plates that all lean otherwise than surveyed are told with what to write") {
+  const TemporaryFolder folder;
+  const auto survey = tagsmith::detail::load_survey("surveys/corridor/survey.yaml");
+  REQUIRE(survey);
+  std::string text = contents("surveys/corridor/survey.yaml") + "placed:\n";
+  for (const auto& tag : survey->tags) {
+    text +=
+        fmt::format("  - {{ tag: {}, side: {}, p: [{}, {}, {}], tilt: 1.5 }}\n", tag.name,
+                    to_string(tag.side), tag.p_in_grid.x(), tag.p_in_grid.y(), tag.p_in_grid.z());
+  }
+  const std::string file = file_with(folder.path() / "survey.yaml", text);
+  const std::string rest =
+      " '" + file + "' --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
+  const std::string words = "plates of both walls that lean back by 1.50 ";
+  const std::string remedy = "add -1.5 degrees to the `tilt` of these tags in `placed`";
+  const ProgramOutput located = run_tagsmith("localize --json" + rest);
+  CHECK(located.exit_code == 1);
+  const json suspicion = json_lines(located.out).back()["summary"]["rig_suspicion"];
+  REQUIRE(suspicion["suspects"].size() == 1);
+  CHECK(suspicion["suspects"][0]["camera"].is_null());
+  CHECK(suspicion["suspects"][0]["parameter"] == "plate_tilt");
+  CHECK(suspicion["suspects"][0]["stated"] == 0);
+  CHECK(std::abs(suspicion["suspects"][0]["expected"].get<double>() + 1.5) < 0.05);
+  CHECK(suspicion["text"].get<std::string>().starts_with(words));
+  CHECK(suspicion["text"].get<std::string>().ends_with(remedy));
+  const ProgramOutput verified = run_tagsmith("verify" + rest);
+  CHECK(verified.exit_code == 0);
+  CHECK(verified.err.find(words) != std::string::npos);
+  CHECK(verified.out.find("not judged") == std::string::npos);
+  CHECK(verified.out.find("where tags hang, against the survey") != std::string::npos);
 }
 
 TEST_CASE("a rig that all rows contradict in the same way is told with the value they expect") {

@@ -216,6 +216,14 @@ TEST_CASE("a position names what nothing measured would reveal") {
   CHECK(lists(lone, Unchecked::Kind::plate_place));
   CHECK(lists(lone, Unchecked::Kind::mounting));
   CHECK(lists(lone, Unchecked::Kind::plate_size));
+  CHECK(lists(lone, Unchecked::Kind::wall_turn));
+  CHECK(to_string(Unchecked{Unchecked::Kind::wall_turn, "left", 1}) ==
+        "a common lean or slope of the plates of one wall: left");
+  CHECK(lists(lone, Unchecked::Kind::rolling_shutter));
+  for (RigCamera& camera : wide.rig.cameras) camera.readout = 0;
+  const Fix global = localize_jointly(one, {wide.survey}, wide.rig);
+  CHECK_FALSE(lists(global, Unchecked::Kind::rolling_shutter));
+  CHECK(global.unchecked.size() + 1 == lone.unchecked.size());
   for (const Fix& fix : {checked, lone}) {
     CHECK(lists(fix, Unchecked::Kind::all_mountings));
     CHECK(lists(fix, Unchecked::Kind::moment));
@@ -276,6 +284,21 @@ TEST_CASE("a position that a mistake made wrong is refused or names the mistake 
        }},
       {{plate_size},
        [](Site& s, double size) { s.survey.tag_template.frame_inner_length *= 1 + 0.2 * size; }},
+      {{plate_place, wall_turn},
+       [](Site& s, double size) {
+         for (PlacedTag& tag : s.survey.tags) {
+           const double slope = tag.side == Side::left ? 0.1 * size : -0.1 * size;
+           tag.world_from_plate.rotation *=
+               Eigen::AngleAxisd(slope, Vector3d::UnitZ()).toRotationMatrix();
+         }
+       }},
+      {{plate_place, wall_turn},
+       [](Site& s, double size) {
+         for (PlacedTag& tag : s.survey.tags) {
+           tag.world_from_plate.rotation *=
+               Eigen::AngleAxisd(0.1 * size, Vector3d::UnitX()).toRotationMatrix();
+         }
+       }},
       {{plate_place}, [](Site& s, double size) {
          for (PlacedTag& tag : s.survey.tags) {
            if (tag.name == "001L") tag.world_from_plate.translation.y() += size;

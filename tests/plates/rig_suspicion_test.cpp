@@ -119,6 +119,58 @@ TEST_CASE("plates of another size than their template are told by their factor")
   }
 }
 
+TEST_CASE("plates that are all turned alike are told with the angle") {
+  struct Turned {
+    RigParameter parameter;
+    double degrees;
+    const char* words;
+  };
+  const Turned turns[] = {
+      {RigParameter::plate_slope, 2, "plates of both walls that rise along the drive by 2.0"},
+      {RigParameter::plate_slope, -1, "plates of both walls that fall along the drive by 1.0"},
+      {RigParameter::plate_tilt, -2, "plates of both walls that lean back by 2.0"},
+      {RigParameter::left_plate_tilt, -4, "plates of the left wall that lean back by 4.0"},
+      {RigParameter::right_plate_tilt, 1, "plates of the right wall that lean forward by 1.0"}};
+  for (const Turned& turned : turns) {
+    CAPTURE(std::string(turned.words));
+    Seen seen{exact_corridor(), {}};
+    const Survey stated = seen.site.survey;
+    seen.site.survey =
+        with_turned_plates(stated, {"", turned.parameter, 0, radians(turned.degrees)});
+    Draws draws(21);
+    seen.rows = seen_from(seen.site, drive_past(seen.site, 12, draws), draws);
+    CHECK_FALSE(suspect_rig(seen.rows, seen.site.survey, seen.site.rig));
+    for (Observation& row : seen.rows) {
+      for (SeenTag& tag : row.tags) tag.tag = *find_tag(stated, tag.tag.name);
+    }
+    const auto suspicion = suspect_rig(seen.rows, stated, seen.site.rig);
+    REQUIRE(suspicion);
+    REQUIRE(suspicion->suspects.size() == 1);
+    const RigSuspect& plates = suspicion->suspects[0];
+    CHECK(is_of_attitudes(plates));
+    CHECK(plates.parameter == turned.parameter);
+    CHECK(std::abs(plates.expected - radians(turned.degrees)) < 4 * plates.sigma);
+    CHECK(plates.sigma < radians(0.2));
+    CHECK(doubt_in_words(*suspicion, seen.site.rig).starts_with("the plates are in doubt: "));
+    CHECK(describe(*suspicion, seen.site.rig).starts_with(turned.words));
+  }
+}
+
+TEST_CASE("plates lean as the survey's tilt says, and rise with the drive") {
+  const Survey stated = exact_corridor().survey;
+  const Survey tilted = with_turned_plates(stated, {"", RigParameter::plate_tilt, 0, 0.1});
+  const Survey rising = with_turned_plates(stated, {"", RigParameter::plate_slope, 0, 0.1});
+  const Vector3d ahead(0, 1, 0);  // the corridor's drive
+  for (std::size_t i = 0; i < stated.tags.size(); ++i) {
+    CAPTURE(stated.tags[i].name);
+    // A plate that leans forward looks down.
+    const Vector3d out = -tilted.tags[i].world_from_plate.rotation.col(2);
+    CHECK(out.z() == doctest::Approx(-std::sin(0.1)));
+    const Vector3d along = rising.tags[i].world_from_plate.rotation.col(0);
+    CHECK(along.z() / along.dot(ahead) == doctest::Approx(std::tan(0.1)));
+  }
+}
+
 TEST_CASE("a camera that hangs askew about its axis is told") {
   const Seen seen = corridor_seen(9);
   Rig wrong = seen.site.rig;

@@ -106,6 +106,20 @@ TEST_CASE("a plate that only tags of another survey contradict is set aside, too
   }
 }
 
+TEST_CASE("a drive whose plates hang anywhere but as surveyed contradicts its survey") {
+  const test::Site site = wide_site();
+  test::Site hung = site;
+  test::Draws draws(3);
+  for (PlacedTag& tag : hung.survey.tags) tag.world_from_plate.translation += draws.normals(0.05);
+  std::vector<Observation> rows = drive_past_hung(site, hung);
+  const RunCheck check = set_aside_misplaced(rows, {site.survey}, site.rig);
+  CHECK_FALSE(check.suspicion);
+  CHECK(check.contradicted.find("survey corridor") != std::string::npos);
+  CHECK(doubt_in_words(check, site.rig) == check.contradicted);
+  rows = drive_past_hung(site, site);
+  CHECK(set_aside_misplaced(rows, {site.survey}, site.rig).contradicted.empty());
+}
+
 TEST_CASE("a drive past plates that hang as surveyed sets none aside") {
   const test::Site site = wide_site();
   const Lived lived = live(drive_past_hung(site, site), site);
