@@ -39,6 +39,7 @@ namespace {
 struct HungPlate {
   PlacedTag tag;
   Pose world_from_plate;
+  double size = 1;  // of the template's
 };
 
 // What really is.
@@ -49,7 +50,8 @@ struct World {
   VehiclePose vehicle;
   std::vector<VehiclePose> vehicle_of_photo;  // a camera's each: where it stood when it took it
   std::vector<double> ranges;                 // a sensor's each, as measured
-  double way = 0;  // metres driven while rolling shutters pass over an image
+  double way = 0;      // metres driven while rolling shutters pass over an image
+  double outward = 0;  // pixels by which all edges of frames move outward
 };
 
 double between(Draws& draws, double least, double most) {
@@ -171,11 +173,27 @@ void lean_wall(World& world, Draws& draws) {
   }
 }
 
+// Plates of one wall from a printer that scales.
+void resize_wall(World& world, Draws& draws) {
+  const Side side = draws.chance(0.5) ? Side::left : Side::right;
+  const double size = 1 + between(draws, 0.003, 0.2);
+  for (HungPlate& plate : world.plates) {
+    if (plate.tag.side == side) plate.size = size;
+  }
+}
+
 // A load, or a flat tyre.
 void lean_vehicle(World& world, Draws& draws) {
   world.vehicle.pitch += radians(between(draws, 0.3, 15));
   world.vehicle.roll += radians(between(draws, 0.3, 15));
   std::ranges::fill(world.vehicle_of_photo, world.vehicle);
+}
+
+// A camera that takes its photo later or earlier than the others, along the drive.
+void delay_photo(World& world, Draws& draws) {
+  VehiclePose& vehicle = world.vehicle_of_photo[any_camera(world, draws)];
+  const Vector3d ahead(std::sin(vehicle.heading), std::cos(vehicle.heading), 0);
+  vehicle.position += between(draws, 0.003, 0.5) * ahead;
 }
 
 // Where the photo of another moment was taken: a random row of the same drive.
@@ -298,6 +316,29 @@ std::vector<Mistake> mistakes() {
       {"rolling shutters, not stated",
        {rolling_shutter},
        [](const Site&, World& w, Draws& d) { w.way = between(d, 0.002, 0.1); }},
+      {"image centre of all cameras",
+       {lens, all_lenses},
+       [](const Site&, World& w, Draws& d) {
+         const double right = between(d, 1, 200), down = between(d, 1, 200);
+         for (RigCamera& c : w.rig.cameras) {
+           c.camera.cx += right;
+           c.camera.cy += down;
+         }
+       }},
+      {"size of one plate",
+       {plate_place},
+       [](const Site&, World& w, Draws& d) {
+         w.plates[near_plate(w, d)].size = 1 + between(d, 0.003, 0.2);
+       }},
+      {"size of the plates of one wall",
+       {plate_place, plate_size},
+       [](const Site&, World& w, Draws& d) { resize_wall(w, d); }},
+      {"edges of all frames outward",
+       {plate_size},
+       [](const Site&, World& w, Draws& d) { w.outward = between(d, 0.1, 3); }},
+      {"one photo earlier or later",
+       {mounting},
+       [](const Site&, World& w, Draws& d) { delay_photo(w, d); }},
       {"one photo of another row",
        {mounting},
        [](const Site& s, World& w, Draws& d) { photo_elsewhere(s, w, d, false); }},
@@ -333,14 +374,30 @@ World true_world(const Site& site, Draws& draws) {
   return world;
 }
 
+void move_outward(FrameCorners& corners, double pixels) {
+  Eigen::Matrix<double, 8, 1> stacked;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const PixelPoint& corner = corners[static_cast<std::size_t>(i)];
+    stacked.segment<2>(2 * i) << corner.x, corner.y;
+  }
+  stacked += pixels * by_outward_edges(stacked);
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    corners[static_cast<std::size_t>(i)] = {stacked[2 * i], stacked[2 * i + 1]};
+  }
+}
+
 Observation observed(const Site& site, const World& world, Draws& draws) {
   Observation observation;
   for (std::size_t c = 0; c < world.rig.cameras.size(); ++c) {
     const RigCamera& camera = world.rig.cameras[c];
     for (const HungPlate& plate : world.plates) {
-      const auto corners = bench::corners_in_image(
-          camera, world.vehicle_of_photo[c], plate.world_from_plate, world.tag_template, world.way);
+      TagTemplate tag = world.tag_template;
+      tag.frame_inner_length *= plate.size;
+      tag.frame_inner_height *= plate.size;
+      auto corners = bench::corners_in_image(camera, world.vehicle_of_photo[c],
+                                             plate.world_from_plate, tag, world.way);
       if (!corners) continue;
+      move_outward(*corners, world.outward);
       observation.tags.push_back({camera.name, 0, plate.tag, bench::noisy(*corners, draws), {}});
     }
   }
