@@ -115,7 +115,7 @@ detail::Rig rig_from(const RigDescription& description, const std::vector<Readou
   rig.roll_sigma = description.roll_sigma;
   rig.pitch_sigma = description.pitch_sigma;
   if (description.envelope) rig.envelope = envelope_from(*description.envelope);
-  detail::set_shutter_sigmas(rig);
+  detail::set_motion_sigmas(rig);
   return rig;
 }
 

@@ -326,7 +326,9 @@ std::string calibration_name(const Rig& rig, std::size_t parameter) {
     if (found == places.end()) continue;
     const auto place = static_cast<std::size_t>(found - places.begin());
     return fmt::format("the {} of camera {}",
-                       place < kNames.size() ? kNames[place] : "rolling shutter",
+                       place < kNames.size()                       ? kNames[place]
+                       : static_cast<Eigen::Index>(place) < kDelay ? "rolling shutter"
+                                                                   : "moment",
                        rig.cameras[camera].name);
   }
   return "the calibration";

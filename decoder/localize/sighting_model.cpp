@@ -18,7 +18,8 @@ using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
 CalibrationVector sigmas_of(const CalibrationSigma& sigma) {
   CalibrationVector sigmas;
   sigmas << sigma.position, sigma.position, sigma.position, sigma.angle, sigma.angle, sigma.angle,
-      sigma.focal, sigma.center, sigma.center, sigma.radial, motion_sigmas(sigma.shutter);
+      sigma.focal, sigma.center, sigma.center, sigma.radial, motion_sigmas(sigma.shutter),
+      motion_sigmas(sigma.delay);
   return sigmas;
 }
 
@@ -67,7 +68,9 @@ CalibrationLayout calibration_layout_of_moment(const Rig& rig) {
 
 CalibrationLayout calibration_layout(const Rig& rig) {
   Rig driven = rig;
-  for (RigCamera& camera : driven.cameras) camera.calibration_sigma.shutter = 0;
+  for (RigCamera& camera : driven.cameras) {
+    camera.calibration_sigma.shutter = camera.calibration_sigma.delay = 0;
+  }
   return calibration_layout_of_moment(driven);
 }
 
@@ -88,6 +91,7 @@ CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& la
   result.camera.cy += errors[8];
   result.camera.distortion[0] += errors[9];
   result.motion = errors.segment<6>(kMotion);
+  result.delay = errors.segment<6>(kDelay);
   return result;
 }
 
@@ -101,20 +105,21 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
     const auto observed = observe_point(seen_by.camera, seen_by.vehicle_from_camera, vehicle,
                                         plate.world_from_plate, corner);
     if (!observed) return std::nullopt;
-    rows.predicted.segment<2>(row) = observed->pixel + observed->by_motion * seen_by.motion;
+    rows.predicted.segment<2>(row) =
+        observed->pixel + observed->by_motion * seen_by.motion + observed->by_delay * seen_by.delay;
     rows.by_vehicle.middleRows<2>(row) = observed->by_vehicle;
     rows.by_plate.middleRows<2>(row) = observed->by_plate;
     rows.by_calibration.middleRows<2>(row) << observed->by_mounting, observed->by_intrinsics,
-        observed->by_motion;
+        observed->by_motion, observed->by_delay;
     row += 2;
   }
   return rows;
 }
 
-Eigen::Matrix<double, kSightingRows, 6> by_motion_sigmas(const SightingRows& rows,
-                                                         const RigCamera& camera) {
-  return rows.by_calibration.rightCols<6>() *
-         motion_sigmas(camera.calibration_sigma.shutter).asDiagonal();
+Eigen::Matrix<double, kSightingRows, kMotions> by_motion_sigmas(const SightingRows& rows,
+                                                                const RigCamera& camera) {
+  return rows.by_calibration.rightCols<kMotions>() *
+         sigmas_of(camera.calibration_sigma).tail<kMotions>().asDiagonal();
 }
 
 std::optional<double> factor_to_explain(double chi_square) {

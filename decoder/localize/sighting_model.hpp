@@ -70,9 +70,12 @@ std::optional<double> factor_to_explain(double chi_square);
 
 // A camera's calibration errors: its mounting (shift in vehicle axes, turn), the relative change of
 // its focal lengths, its principal point, the first coefficient of its distortion; and the
-// vehicle's motion while its shutter passes over the image (shift, turn).
-inline constexpr Eigen::Index kCalibrationCount = 16;
-inline constexpr Eigen::Index kMotion = 10;  // where that begins
+// vehicle's motion (shift, turn) while its shutter passes over the image, and until its photo is
+// taken.
+inline constexpr Eigen::Index kCalibrationCount = 22;
+inline constexpr Eigen::Index kMotion = 10;                            // where the first begins
+inline constexpr Eigen::Index kDelay = 16;                             // and the second
+inline constexpr Eigen::Index kMotions = kCalibrationCount - kMotion;  // parameters of both
 inline constexpr Eigen::Index kSightingRows = 8;
 
 // Which of the rig's calibration parameters are uncertain, and their standard deviations.
@@ -90,8 +93,9 @@ CalibrationLayout calibration_layout_of_moment(const Rig& rig);
 struct CalibratedCamera {
   Camera camera;
   Pose vehicle_from_camera;
-  // Of the vehicle while the shutter passes over the image, as ObservedPoint::by_motion takes it.
+  // Of the vehicle, as ObservedPoint::by_motion and by_delay take it.
   Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> delay = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
 // The rig's camera (by index) with these errors of the layout's parameters; empty = none.
@@ -113,10 +117,10 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
                                           const VehicleFrame& vehicle, const SightedPlate& plate,
                                           std::size_t camera);
 
-// How the corners move by one standard deviation of each part of the vehicle's motion while the
-// camera's rows are read, the same for all sightings of one picture.
-Eigen::Matrix<double, kSightingRows, 6> by_motion_sigmas(const SightingRows& rows,
-                                                         const RigCamera& camera);
+// How the corners move by one standard deviation of each part of the vehicle's motions, the same
+// for all sightings of one picture.
+Eigen::Matrix<double, kSightingRows, kMotions> by_motion_sigmas(const SightingRows& rows,
+                                                                const RigCamera& camera);
 
 // The camera's poses that a sighting by itself allows (plate_poses): world_from_camera. Nothing
 // when the corners are no picture of a rectangle.

@@ -220,7 +220,7 @@ void Effects::add_shutters() {
   if (std::ranges::none_of(problem_.rig->cameras, is_unstated)) return;
   add(Unchecked::Kind::rolling_shutter, "", 6, [&](const SeenRows& seen) -> Rows {
     if (!is_unstated(problem_.rig->cameras[seen.camera])) return Rows::Zero(kSightingRows, 6);
-    return seen.rows.by_calibration.rightCols<6>() * motion_sigmas(kWay).asDiagonal();
+    return seen.rows.by_calibration.middleCols<6>(kMotion) * motion_sigmas(kWay).asDiagonal();
   });
 }
 

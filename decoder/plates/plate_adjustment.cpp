@@ -22,9 +22,9 @@ using Eigen::VectorXd;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr Index kPoseCount = 6;      // parameters of a vehicle's pose
-constexpr Index kLensDrifts = 3;     // of a picture: focal length, principal point
-constexpr Index kDrifts = 9;         // and the vehicle's motion while its rows are read
+constexpr Index kPoseCount = 6;                    // parameters of a vehicle's pose
+constexpr Index kLensDrifts = 3;                   // of a picture: focal length, principal point
+constexpr Index kDrifts = kLensDrifts + kMotions;  // and the vehicle's motions
 constexpr double kFreeSigma = 10;    // metres and radians, of a plate that hangs anywhere
 constexpr double kFreeSize = 0.3;    // relative, of a frame of any size
 constexpr double kExactSize = 1e-6;  // small enough to have no effect, and large enough to invert
@@ -109,9 +109,11 @@ class Network {
       if (has_any_size(freed[i])) variance[6] = kFreeSize * kFreeSize;
       variances_.push_back(variance);
     }
-    const auto rolls = [](const RigCamera& camera) { return camera.calibration_sigma.shutter > 0; };
+    const auto moves = [](const RigCamera& camera) {
+      return camera.calibration_sigma.shutter > 0 || camera.calibration_sigma.delay > 0;
+    };
     const auto drifts = [](const Sighting& sighting) { return !sighting.by_drift.isZero(); };
-    drifts_ = std::ranges::any_of(problem.rig->cameras, rolls);
+    drifts_ = std::ranges::any_of(problem.rig->cameras, moves);
     for (const Station& station : problem.stations) {
       drifts_ = drifts_ || std::ranges::any_of(station.sightings, drifts);
     }

@@ -485,11 +485,12 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
   }
   if (suspect.parameter == RigParameter::position) {
     const Eigen::Vector3d mm = 1000 * suspect.shift;
+    const bool is_along = std::abs(mm.x()) > 5 * std::hypot(mm.y(), mm.z());
     return fmt::format(
         "{}: a place {:.0f} +-{:.0f} mm from the stated one (by {:+.0f} forward, {:+.0f} to the "
-        "left, {:+.0f} up)",
+        "left, {:+.0f} up{})",
         suspect.camera, 1000 * suspect.expected, std::max(1.0, 1000 * suspect.sigma), mm.x(),
-        mm.y(), mm.z());
+        mm.y(), mm.z(), is_along ? "; or photos that are not of one moment: `delay`" : "");
   }
   const int decimals = decimals_of(suspect);
   if (suspect.parameter == RigParameter::turn) {

@@ -545,15 +545,17 @@ rig: )yaml" +
 cameras:   # by name; alpha = degrees between the optical axis and the cross section, forward
   left:
     { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, side: left,
-      readout: 0, sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }
+      readout: 0, delay: 0, sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }
   right:
     { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, side: right,
-      readout: 0, sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }
+      readout: 0, delay: 0, sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }
   # sigma, one standard deviation each: position (m) and angle (degrees) of the
   # mounting, focal length (0.02 = 2 %: a lens by its data sheet), center of the image
   # (pixels). sigma: 0 calls all of them exact.
   # readout: 0 is a global shutter; of a rolling one, the seconds from the first row of an
   # image to the last (0.01 to 0.033, by the data sheet).
+  # delay: 0 = triggered together; else how much earlier or later than the others it takes
+  # its photo, seconds (0.01 to 0.03 of cameras that run freely).
   # a calibrated camera, mounted anywhere:
   # front: { image_size: [1280, 960], fx: 1600, fy: 1600, cx: 639.5, cy: 479.5,
   #          distortion: [0, 0, 0, 0, 0], yaw: 0, pitch: 0, roll: 0, position: [0.5, 0, 0.2],

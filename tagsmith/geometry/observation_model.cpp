@@ -85,10 +85,10 @@ std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& veh
       Eigen::Matrix2d::Identity(), projection->by_k1;
   // The vehicle is at its stated place when the middle row is exposed.
   const double rows_later = (observed.pixel.y() - (camera.height - 1) / 2.0) / camera.height;
-  observed.by_motion << observed.by_mounting.leftCols<3>(),
+  observed.by_delay << observed.by_mounting.leftCols<3>(),
       observed.by_mounting.rightCols<3>() * camera_from_vehicle -
           observed.by_mounting.leftCols<3>() * cross_matrix(vehicle_from_camera.translation);
-  observed.by_motion *= rows_later;
+  observed.by_motion = rows_later * observed.by_delay;
   return observed;
 }
 

@@ -60,6 +60,8 @@ struct ObservedPoint {
   // The vehicle's motion while a rolling shutter passes over the image, from the first row to the
   // last, in its axes: shift; turn about O.
   Eigen::Matrix<double, 2, 6> by_motion;
+  // Likewise its motion from its stated pose until the picture is taken.
+  Eigen::Matrix<double, 2, 6> by_delay;
 };
 
 // The place where a camera sees a point of a plate, in the image or beside it. Nothing for a point

@@ -31,8 +31,8 @@ std::optional<Matrix3d> inverse_in_closed_form(const Matrix3d& matrix) {
 
 constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
 constexpr Eigen::Index kFixedParameters = 9;  // of a camera's calibration
-// And the vehicle's motion while a rolling shutter passes over the image.
-constexpr Eigen::Index kCalibrationParameters = 15;
+// And the vehicle's motion while a rolling shutter passes over the image, and until it is taken.
+constexpr Eigen::Index kCalibrationParameters = 21;
 constexpr Eigen::Index kPlateRows = 8;
 constexpr Eigen::Index kPlateParameters = 7;  // its place, its attitude, where its edges are seen
 
@@ -52,6 +52,7 @@ CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame&
   const RigCamera& camera = rig.cameras[sight.camera];
   const CalibrationSigma& sigma = camera.calibration_sigma;
   const double driven = options.speed * camera.readout.value_or(0);
+  const double delayed = options.speed * camera.delay.value_or(0);
   CornerRows rows;
   rows.by_vehicle.setZero();
   rows.by_plate.setZero();
@@ -77,7 +78,8 @@ CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame&
         sigma.angle * point->by_mounting.rightCols<3>(),
         sigma.focal * point->by_intrinsics.leftCols<1>(),
         sigma.center * point->by_intrinsics.middleCols<2>(1),
-        point->by_motion * motion_sigmas(driven).asDiagonal();
+        point->by_motion * motion_sigmas(driven).asDiagonal(),
+        point->by_delay * motion_sigmas(delayed).asDiagonal();
   }
   if (all_seen) rows.by_plate.rightCols<1>() = sigma.edge * by_outward_edges(pixels);
   return rows;
@@ -169,7 +171,7 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
                                      std::span<const PlateSight> sights,
                                      const AccuracyOptions& options) {
   if (!sees_a_tag_twice(sights)) {
-    return has_rolling_shutter(rig)
+    return has_rolling_shutter(rig) || has_delay(rig)
                ? sum_of_cameras<kCalibrationParameters>(survey, rig, vehicle, sights, options)
                : sum_of_cameras<kFixedParameters>(survey, rig, vehicle, sights, options);
   }

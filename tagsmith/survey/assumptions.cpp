@@ -60,24 +60,40 @@ std::optional<std::string> assumed_sigma(const Survey& survey) {
                      format_number(1000 * survey.sigma));
 }
 
-// Shutters of which nothing is said are assumed to be global: of cameras that drive, or may drive,
-// as nobody says. Cameras whose place is known exactly took no real pictures.
+// Cameras of which nothing is said are assumed to have global shutters, which are triggered
+// together: of cameras that drive, or may drive, as nobody says. Cameras whose place is known
+// exactly took no real pictures.
 std::optional<std::string> assumed_shutter(const Rig& rig, std::optional<double> speed) {
   if (!speed && rig.envelope) speed = rig.envelope->speed;
-  if (!speed && has_rolling_shutter(rig)) {
-    return fmt::format(
-        "rig {} has a readout and states no speed (vehicle.envelope): {} m/s assumed", rig.name,
-        format_number(kUsualSpeed));
+  if (!speed && (has_rolling_shutter(rig) || has_delay(rig))) {
+    return fmt::format("rig {} has a {} and states no speed (vehicle.envelope): {} m/s assumed",
+                       rig.name, has_rolling_shutter(rig) ? "readout" : "delay",
+                       format_number(kUsualSpeed));
   }
   if (speed == 0) return std::nullopt;
-  std::vector<std::string> names;
+  std::vector<std::string> unread, untimed;
   for (const RigCamera& camera : rig.cameras) {
     const bool drives = speed || camera.calibration_sigma.position > 0;
-    if (drives && !camera.readout) names.push_back(camera.name);
+    if (drives && !camera.readout) unread.push_back(camera.name);
+    if (drives && !camera.delay && rig.cameras.size() > 1) untimed.push_back(camera.name);
   }
-  if (names.empty()) return std::nullopt;
-  return fmt::format("rig {} states no readout of camera {}: a global shutter assumed", rig.name,
-                     fmt::join(names, ", "));
+  if (!unread.empty() && unread == untimed) {
+    return fmt::format(
+        "rig {} states no readout and no delay of camera {}: global shutters, triggered together, "
+        "assumed",
+        rig.name, fmt::join(unread, ", "));
+  }
+  std::vector<std::string> assumed;
+  if (!unread.empty()) {
+    assumed.push_back(
+        fmt::format("no readout of camera {}: a global shutter", fmt::join(unread, ", ")));
+  }
+  if (!untimed.empty()) {
+    assumed.push_back(
+        fmt::format("no delay of camera {}: photos of one moment", fmt::join(untimed, ", ")));
+  }
+  if (assumed.empty()) return std::nullopt;
+  return fmt::format("rig {} states {} assumed", rig.name, fmt::join(assumed, ", and "));
 }
 
 // Cameras with the same assumption share a sentence.

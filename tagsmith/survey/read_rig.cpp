@@ -167,7 +167,7 @@ void lint_units(const MapReader& map, const RigCamera& camera) {
 RigCamera read_camera(const YamlValue& value, const std::string& name, const fs::path& folder) {
   std::vector<std::string> keys = intrinsics_keys();
   keys.insert(keys.end(), {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure",
-                           "blur_px", "readout", "focus", "aperture_mm", "sigma"});
+                           "blur_px", "readout", "delay", "focus", "aperture_mm", "sigma"});
   const MapReader map(value, keys);
   RigCamera camera;
   camera.name = name;
@@ -179,6 +179,7 @@ RigCamera read_camera(const YamlValue& value, const std::string& name, const fs:
   camera.exposure = map.number_if_there("exposure", above_zero(10, "s"));
   camera.blur_px = map.number_if_there("blur_px", between(0, 100, "pixels"));
   camera.readout = map.number_if_there("readout", between(0, 10, "s"));
+  camera.delay = map.number_if_there("delay", between(0, 10, "s"));
   read_calibration_sigma(map, camera);
   read_focus(map, camera);
   lint_side(map, camera);
@@ -299,7 +300,7 @@ Rig read_rig_tree(const YamlValue& root, const fs::path& path) {
     if (auto range = read_range(value, name)) rig.ranges.push_back(*range);
   });
   read_vehicle(file.need("vehicle", "vehicle: { height: 0.24 }"), rig);
-  set_shutter_sigmas(rig);
+  set_motion_sigmas(rig);
   if (!root.log->has_errors()) check_columns(rig, file);
   return rig;
 }

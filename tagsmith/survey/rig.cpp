@@ -27,15 +27,21 @@ bool has_rolling_shutter(const Rig& rig) {
       rig.cameras, [](const RigCamera& camera) { return camera.readout.value_or(0) > 0; });
 }
 
-double usual_speed(const Rig& rig) {
-  if (rig.envelope) return rig.envelope->speed;
-  return has_rolling_shutter(rig) ? kUsualSpeed : 0;
+bool has_delay(const Rig& rig) {
+  return std::ranges::any_of(rig.cameras,
+                             [](const RigCamera& camera) { return camera.delay.value_or(0) > 0; });
 }
 
-void set_shutter_sigmas(Rig& rig) {
+double usual_speed(const Rig& rig) {
+  if (rig.envelope) return rig.envelope->speed;
+  return has_rolling_shutter(rig) || has_delay(rig) ? kUsualSpeed : 0;
+}
+
+void set_motion_sigmas(Rig& rig) {
   const double speed = usual_speed(rig);
   for (RigCamera& camera : rig.cameras) {
     camera.calibration_sigma.shutter = camera.readout.value_or(0) * speed;
+    camera.calibration_sigma.delay = camera.delay.value_or(0) * speed;
   }
 }
 

@@ -32,6 +32,8 @@ struct CalibrationSigma {
   double center_drift = 0;
   // How far the vehicle drives while a rolling shutter passes over the image, metres.
   double shutter = 0;
+  // How far the vehicle drives between the moment of a row and that of the camera's photo, metres.
+  double delay = 0;
   // The error that no coefficient of its distortion describes: pixels in the image's corners, less
   // towards the centre by the third power of the distance.
   double warp = 0;
@@ -48,6 +50,9 @@ struct RigCamera {
   // From the first row's exposure to the last row's, seconds: a rolling shutter. Nothing or 0 = a
   // global shutter.
   std::optional<double> readout;
+  // How much earlier or later than the moment of a row it takes its photo, seconds, a standard
+  // deviation. Nothing or 0 = all cameras are triggered together.
+  std::optional<double> delay;
   CalibrationSigma calibration_sigma{};
   // The values that the file does not state and that the reader assumed (assumptions.hpp), in
   // words; empty = none.
@@ -87,19 +92,23 @@ struct Rig {
   std::optional<VehicleEnvelope> envelope;
 };
 
-// Metres a second: assumed where a camera has a readout and no envelope states the speed.
+// Metres a second: assumed where a camera has a readout or a delay and no envelope states the
+// speed.
 inline constexpr double kUsualSpeed = 2;
 
 // True when a camera reads the rows of an image one after another.
 bool has_rolling_shutter(const Rig& rig);
 
-// Metres a second: the envelope's; without one kUsualSpeed where a camera has a rolling shutter,
-// else 0: nothing is said of a vehicle that drives.
+// True when a camera is not triggered together with the others.
+bool has_delay(const Rig& rig);
+
+// Metres a second: the envelope's; without one kUsualSpeed where a camera has a rolling shutter or
+// a delay, else 0: nothing is said of a vehicle that drives.
 double usual_speed(const Rig& rig);
 
-// Sets each camera's CalibrationSigma::shutter by its readout and the vehicle's speed; 0 without a
-// readout.
-void set_shutter_sigmas(Rig& rig);
+// Sets each camera's CalibrationSigma::shutter and delay by its readout and delay and the vehicle's
+// speed; 0 without these.
+void set_motion_sigmas(Rig& rig);
 
 // True when a rig's stance gives its pictures' up: it stands level on its wheels, its roll's and
 // pitch's standard deviations are below 15 degrees.

@@ -144,7 +144,7 @@ TEST_CASE("a rolling shutter whose readout is stated makes no tag contradict its
   global.rig.cameras.pop_back();
   Site rolling = global;
   rolling.rig.cameras[0].readout = kWay / rolling.rig.envelope->speed;
-  set_shutter_sigmas(rolling.rig);
+  set_motion_sigmas(rolling.rig);
   CHECK(rolling.rig.cameras[0].calibration_sigma.shutter == doctest::Approx(kWay));
   int seen = 0, refused_as_global = 0;
   for (double chainage = 1; chainage < 60; chainage += 1.5) {
@@ -165,6 +165,51 @@ TEST_CASE("a rolling shutter whose readout is stated makes no tag contradict its
   }
   CHECK(seen > 5);
   CHECK(2 * refused_as_global >= seen);
+}
+
+// Each camera takes its photo a little before or after the moment of the row.
+Observation observation_of_free_cameras(const Site& site, const VehiclePose& vehicle, double way,
+                                        Draws& draws) {
+  Observation all;
+  for (const RigCamera& camera : site.rig.cameras) {
+    VehiclePose there = vehicle;
+    const Vector3d ahead = world_from_vehicle(vehicle).rotation.col(0);
+    there.position += draws.normal(way) * ahead;
+    for (SeenTag& seen : observation_at(site, there).tags) {
+      if (seen.camera == camera.name) all.tags.push_back(std::move(seen));
+    }
+  }
+  return all;
+}
+
+TEST_CASE("photos that are not of one moment fit where the rig states their delay") {
+  constexpr double kWay = 0.03;
+  const Site together = site_named("corridor");
+  Site free = together;
+  free.rig.envelope = VehicleEnvelope{0.1, radians(2), 1.5};
+  for (RigCamera& camera : free.rig.cameras) camera.delay = 0.02;
+  set_motion_sigmas(free.rig);
+  CHECK(free.rig.cameras[0].calibration_sigma.delay == doctest::Approx(kWay));
+  Draws draws(31);
+  double squares = 0;
+  int located = 0, located_together = 0, draw = 0;
+  for (; draw < 300; ++draw) {
+    const VehiclePose truth = pose_at(free, draws.uniform(0, 5), draws.uniform(-0.2, 0.2));
+    const Observation seen = observation_of_free_cameras(free, truth, kWay, draws);
+    const Fix fix = localize_jointly(seen, {free.survey}, free.rig);
+    const Fix strict = localize_jointly(seen, {together.survey}, together.rig);
+    if (strict.position_in_grid) ++located_together;
+    if (!fix.position_in_grid) continue;
+    ++located;
+    const Vector3d error =
+        *fix.position_in_grid - grid_from_world(free.survey.grid, truth.position);
+    squares += error.y() * error.y() / (*fix.covariance_in_grid)(1, 1);  // along the drive
+    CHECK(std::abs(error.y()) < 4.5 * std::sqrt((*fix.covariance_in_grid)(1, 1)));
+  }
+  CHECK(located > 0.95 * draw);
+  CHECK(located_together < 0.5 * draw);
+  CHECK(squares / located > 0.7);
+  CHECK(squares / located < 1.3);
 }
 
 TEST_CASE("rows that only a rolling shutter explains are told as that") {

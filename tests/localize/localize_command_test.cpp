@@ -318,7 +318,9 @@ TEST_CASE(
       "0.5 "
       "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
   const std::string shutter =
-      "rig crawler states no readout of camera left, right: a global shutter assumed";
+      "rig crawler states no readout and no delay of camera left, right: global shutters, "
+      "triggered "
+      "together, assumed";
   CHECK(output.err == "tagsmith localize: " + assumed + "\ntagsmith localize: " + shutter + "\n");
   const json summary = json_lines(output.out).back().at("summary");
   CHECK(summary.at("assumed") == json::array({assumed, shutter}));

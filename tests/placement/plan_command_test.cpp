@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -95,6 +96,26 @@ TEST_CASE("plan assumes no speed where one is stated") {
   CHECK((stated.err + stated.out).find("m/s assumed") == std::string::npos);
 }
 
+TEST_CASE(
+    "plan allows for how far the vehicle drives between the photos of cameras that run freely") {
+  const TemporaryFolder folder;
+  const auto along = [&](const std::string& key) {
+    std::string rig = *read_file("surveys/corridor/rig.yaml");
+    for (std::size_t at = 0; (at = rig.find("alpha: 35,", at)) != std::string::npos; at += 40) {
+      rig.insert(at, key);
+    }
+    const std::filesystem::path path = folder.path() / "rig.yaml";
+    REQUIRE(write_file(path, rig));
+    const ProgramOutput output =
+        run_tagsmith("plan surveys/corridor/survey.yaml --rig " + path.string() +
+                     " --from 2 --to 2.2 --offsets 1 --headings 1 --speed 2 --json");
+    return parsed_json(output.out)["accuracy"]["plane"]["median"].get<double>();
+  };
+  // Two cameras, 40 mm each.
+  CHECK(along("delay: 0.02, ") == doctest::Approx(0.04 / std::sqrt(2)).epsilon(0.1));
+  CHECK(along("delay: 0, ") < 0.003);
+}
+
 TEST_CASE("plan --json is one object with the documented fields") {
   const ProgramOutput output = run_tagsmith(kCorridor + " --to 5 --speed 1 --json");
   const auto json = parsed_json(output.out);
@@ -164,7 +185,9 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
       "0.5 "
       "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
   const std::string shutter =
-      "rig crawler states no readout of camera left, right: a global shutter assumed";
+      "rig crawler states no readout and no delay of camera left, right: global shutters, "
+      "triggered "
+      "together, assumed";
   const std::string blur = "rig crawler states no blur_px of camera left, right: 1 pixel assumed";
   CHECK(json["assumed"] == nlohmann::json::array({survey, rig, shutter, blur}));
   CHECK(output.err == "tagsmith plan: " + survey + "\ntagsmith plan: " + rig +

@@ -35,6 +35,7 @@ struct Corridor : test::WideCorridor {
   std::string small;  // tag whose frame is printed at 97 %, about its middle
   // Metres that the vehicle drives at each place while the rows of the pictures are read.
   std::map<double, double> driven;
+  std::map<double, double> late;  // and until the last camera's picture is taken
 
   Pose& at(std::string_view name) { return hung[index(name)]; }
 
@@ -53,7 +54,9 @@ struct Corridor : test::WideCorridor {
                                           plate, camera);
           if (!rows || !in_view(*rows)) continue;
           const Eigen::VectorXd moved =
-              (driven.contains(y) ? driven.at(y) : 0) * rows->by_calibration.col(kMotion);
+              (driven.contains(y) ? driven.at(y) : 0) * rows->by_calibration.col(kMotion) +
+              (late.contains(y) && camera + 1 == rig.cameras.size() ? late.at(y) : 0) *
+                  rows->by_calibration.col(kDelay);
           SightedTag tag{std::to_string(y), camera, survey.tags[i].name, {}};
           for (std::size_t c = 0; c < 4; ++c) {
             const auto row = static_cast<Eigen::Index>(2 * c);
@@ -113,7 +116,24 @@ TEST_CASE("rolling shutters of a drive whose speed varies accuse no plate") {
   corridor.driven = {{-0.5, 0}, {0.3, 0.04}, {1.1, 0.015}};
   for (RigCamera& camera : corridor.rig.cameras) camera.readout = 0.02;
   corridor.rig.envelope = VehicleEnvelope{0.1, radians(2), 2};
-  set_shutter_sigmas(corridor.rig);
+  set_motion_sigmas(corridor.rig);
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, corridor.seen());
+  REQUIRE(result.tags.size() > 3);
+  for (const HungTag& tag : result.tags) {
+    CAPTURE(tag.tag);
+    CHECK(tag.rule == "");
+    CHECK(tag.verdict == HangVerdict::fits);
+  }
+}
+
+TEST_CASE("cameras that run freely in a drive accuse no plate") {
+  Corridor corridor;
+  corridor.late = {{-0.5, 0.02}, {0.3, -0.03}, {1.1, 0.04}};
+  CHECK(std::ranges::any_of(check_hung_tags(corridor.survey, corridor.rig, corridor.seen()).tags,
+                            [](const HungTag& tag) { return tag.verdict != HangVerdict::fits; }));
+  for (RigCamera& camera : corridor.rig.cameras) camera.delay = 0.02;
+  corridor.rig.envelope = VehicleEnvelope{0.1, radians(2), 2};
+  set_motion_sigmas(corridor.rig);
   const HungTags result = check_hung_tags(corridor.survey, corridor.rig, corridor.seen());
   REQUIRE(result.tags.size() > 3);
   for (const HungTag& tag : result.tags) {

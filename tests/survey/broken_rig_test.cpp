@@ -38,6 +38,7 @@ const Breakage kRigErrors[] = {
     {"four distortions", "[0.1, 0, 0, 0, 0]", "[0.1, 0, 0, 0]", "wrong-length", 9},
     {"negative exposure", "exposure: 0.01", "exposure: -1", "out-of-range", 9},
     {"negative readout", "exposure: 0.01", "readout: -1", "out-of-range", 9},
+    {"negative delay", "exposure: 0.01", "delay: -1", "out-of-range", 9},
     {"negative blur", "blur_px: 0.5", "blur_px: -1", "out-of-range", 9},
     {"focus without aperture", ", aperture_mm: 2", "", "missing-key", 9},
     {"aperture without focus", "focus: 3, ", "", "missing-key", 9},
@@ -170,6 +171,38 @@ TEST_CASE("a camera without a readout is assumed to have a global shutter, unles
   REQUIRE(reading.value);
   CHECK(assumptions({}, *reading.value, 0).empty());
   CHECK(assumptions({}, *reading.value, 2) == assumed);
+}
+
+TEST_CASE("photos of one row are assumed to be of one moment, unless the rig says otherwise") {
+  const auto reading_of = [](const std::string& left, const std::string& right) {
+    const std::string camera =
+        "{ image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, sigma: "
+        "{ position: 0.001, angle: 0.05, focal: 0.002, center: 1, edge: 0.1 }, side: ";
+    return read_text_as_rig("rig: trial\ncameras:\n  left: " + camera + "left" + left +
+                            " }\n  right: " + camera + "right" + right +
+                            " }\nvehicle: { height: 1.1 }\n");
+  };
+  const auto sentences = [&](const std::string& left, const std::string& right) {
+    const auto reading = reading_of(left, right);
+    REQUIRE(reading.value);
+    return assumptions({}, *reading.value);
+  };
+  using Sentences = std::vector<std::string>;
+  CHECK(
+      sentences("", "") ==
+      Sentences{"rig trial states no readout and no delay of camera left, right: global shutters, "
+                "triggered together, assumed"});
+  CHECK(sentences(", readout: 0", ", readout: 0") ==
+        Sentences{"rig trial states no delay of camera left, right: photos of one moment assumed"});
+  CHECK(sentences(", readout: 0, delay: 0", ", delay: 0") ==
+        Sentences{"rig trial states no readout of camera right: a global shutter assumed"});
+  CHECK(sentences(", readout: 0, delay: 0", ", readout: 0, delay: 0").empty());
+  CHECK(sentences(", readout: 0, delay: 0", ", readout: 0, delay: 0.01") ==
+        Sentences{"rig trial has a delay and states no speed (vehicle.envelope): 2 m/s assumed"});
+  const auto late = reading_of("", ", delay: 0.01");
+  REQUIRE(late.value);
+  CHECK(late.value->cameras[0].calibration_sigma.delay == 0);
+  CHECK(late.value->cameras[1].calibration_sigma.delay == doctest::Approx(0.02));
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {
