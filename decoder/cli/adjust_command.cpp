@@ -576,10 +576,9 @@ Result<int> run(const AdjustOptions& options) {
   if (!seen) return fail(seen);
   const std::vector<SightedTag>& sighted = seen->tags;
   print_assumptions(kAdjust, assumptions({&input->survey, 1}, input->setup.rig));
-  const auto doubt = rig_doubt(input->survey, input->setup.rig, sighted);
-  if (doubt && !doubt->turned) {
-    to_stderr("tagsmith {}: the rig is in doubt, and nothing was adjusted: {}\n", kAdjust,
-              doubt->text);
+  if (const auto doubt = rig_doubt(input->survey, input->setup.rig, sighted)) {
+    to_stderr("tagsmith {}: the {} in doubt, and nothing was adjusted: {}\n", kAdjust,
+              doubt->turned ? "plates' attitudes are" : "rig is", doubt->text);
     return kExitFindings;
   }
   Result<AsBuiltSurvey> found =

@@ -453,7 +453,7 @@ NamedYaw named_yaw(const RigCamera& camera) {
 
 int decimals_of(const RigSuspect& suspect) { return degrees(suspect.sigma) < 0.01 ? 3 : 2; }
 
-// "plates of the left wall that lean back by 2.00 +-0.02 degrees more than the survey says"
+// "plates of the left wall that lean back by 2.00 +-0.02 degrees against the survey"
 std::string words_for_turned_plates(const RigSuspect& suspect) {
   const bool is_slope = suspect.parameter == RigParameter::plate_slope;
   const bool is_forward = suspect.expected > 0;
@@ -508,17 +508,19 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
                      degrees(suspect.sigma), decimals, degrees(named.of(suspect.stated)));
 }
 
-// "; if so, add -2.0 degrees to the `tilt` of these tags in `placed`"
+// "; if so, add -2.0 degrees to the `tilt` of these tags, ...": what the survey is to state.
 std::string remedy_of(const RigSuspect& suspect) {
   const double angle = degrees(suspect.expected);
-  if (suspect.parameter == RigParameter::plate_slope) {
-    return fmt::format(
-        "; if so, add {:+.1f} degrees to the `roll` of the left wall's tags in `placed`, {:+.1f} "
-        "to "
-        "that of the right wall's",
-        -angle, angle);
-  }
-  return fmt::format("; if so, add {:+.1f} degrees to the `tilt` of these tags in `placed`", angle);
+  const std::string turn =
+      suspect.parameter == RigParameter::plate_slope
+          ? fmt::format(
+                "{:+.1f} degrees to the `roll` of the left wall's tags and {:+.1f} to that "
+                "of the right wall's",
+                -angle, angle)
+          : fmt::format("{:+.1f} degrees to the `tilt` of these tags", angle);
+  return fmt::format(
+      "; if so, add {}, in `placed` or in the list that `export` writes and `new --from` reads",
+      turn);
 }
 
 // The tilt of plates where the survey says nothing of it, or that plates hang exactly.

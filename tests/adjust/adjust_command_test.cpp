@@ -15,6 +15,7 @@
 #include "tests/support/contents.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/tilted_corridor.hpp"
 
 namespace fs = std::filesystem;
 
@@ -251,4 +252,18 @@ TEST_CASE("a wrong rig adjusts nothing, and is told") {
   CHECK(output.err.find("the rig is in doubt, and nothing was adjusted: ") != std::string::npos);
   CHECK(std::regex_search(output.err, std::regex("left: alpha 3(4\\.99|5\\.0)")));
   CHECK(!std::filesystem::exists(written));
+}
+
+TEST_CASE("plates that all lean otherwise than surveyed adjust nothing, and are told") {
+  const TemporaryFolder folder;
+  const std::string survey = (folder.path() / "survey.yaml").string();
+  REQUIRE(write_file(survey, tilted_corridor(-1.5)));
+  const ProgramOutput output =
+      run_tagsmith("adjust '" + survey +
+                   "' --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv "
+                   "--control 000L,000R,007L,007R");
+  CHECK(output.exit_code == 1);
+  CHECK(output.out.empty());
+  CHECK(output.err.find("the plates' attitudes are in doubt, and nothing was adjusted: plates of "
+                        "both walls that lean forward by 1.5") != std::string::npos);
 }

@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/survey/read_survey.hpp"
 #include "tests/localize/runs.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/tilted_corridor.hpp"
 
 using nlohmann::json;
 using tagsmith::detail::test::contents;
@@ -26,6 +26,7 @@ using tagsmith::detail::test::on_survey;
 using tagsmith::detail::test::ProgramOutput;
 using tagsmith::detail::test::run_tagsmith;
 using tagsmith::detail::test::TemporaryFolder;
+using tagsmith::detail::test::tilted_corridor;
 namespace fs = std::filesystem;
 
 namespace {
@@ -535,19 +536,12 @@ TEST_CASE("no row of a run that contradicts its rig is confirmed") {
 
 TEST_CASE("plates that all lean otherwise than surveyed are told with what to write") {
   const TemporaryFolder folder;
-  const auto survey = tagsmith::detail::load_survey("surveys/corridor/survey.yaml");
-  REQUIRE(survey);
-  std::string text = contents("surveys/corridor/survey.yaml") + "placed:\n";
-  for (const auto& tag : survey->tags) {
-    text +=
-        fmt::format("  - {{ tag: {}, side: {}, p: [{}, {}, {}], tilt: 1.5 }}\n", tag.name,
-                    to_string(tag.side), tag.p_in_grid.x(), tag.p_in_grid.y(), tag.p_in_grid.z());
-  }
-  const std::string file = file_with(folder.path() / "survey.yaml", text);
+  const std::string file = file_with(folder.path() / "survey.yaml", tilted_corridor(1.5));
   const std::string rest =
       " '" + file + "' --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
   const std::string words = "plates of both walls that lean back by 1.50 ";
-  const std::string remedy = "add -1.5 degrees to the `tilt` of these tags in `placed`";
+  const std::string remedy =
+      "; if so, add -1.5 degrees to the `tilt` of these tags, in `placed` or";
   const ProgramOutput located = run_tagsmith("localize --json" + rest);
   CHECK(located.exit_code == 1);
   const json suspicion = json_lines(located.out).back()["summary"]["rig_suspicion"];
@@ -557,7 +551,7 @@ TEST_CASE("plates that all lean otherwise than surveyed are told with what to wr
   CHECK(suspicion["suspects"][0]["stated"] == 0);
   CHECK(std::abs(suspicion["suspects"][0]["expected"].get<double>() + 1.5) < 0.05);
   CHECK(suspicion["text"].get<std::string>().starts_with(words));
-  CHECK(suspicion["text"].get<std::string>().ends_with(remedy));
+  CHECK(suspicion["text"].get<std::string>().find(remedy) != std::string::npos);
   const ProgramOutput verified = run_tagsmith("verify" + rest);
   CHECK(verified.exit_code == 0);
   CHECK(verified.err.find(words) != std::string::npos);
