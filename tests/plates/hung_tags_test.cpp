@@ -109,6 +109,16 @@ VerifiedFile photo_of(const std::string& tag, const Survey& survey) {
   return photo;
 }
 
+void check_all_fit(const Corridor& corridor) {
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, corridor.seen());
+  REQUIRE(result.tags.size() > 3);
+  for (const HungTag& tag : result.tags) {
+    CAPTURE(tag.tag);
+    CHECK(tag.rule == "");
+    CHECK(tag.verdict == HangVerdict::fits);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("rolling shutters of a drive whose speed varies accuse no plate") {
@@ -117,13 +127,7 @@ TEST_CASE("rolling shutters of a drive whose speed varies accuse no plate") {
   for (RigCamera& camera : corridor.rig.cameras) camera.readout = 0.02;
   corridor.rig.envelope = VehicleEnvelope{0.1, radians(2), 2};
   set_motion_sigmas(corridor.rig);
-  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, corridor.seen());
-  REQUIRE(result.tags.size() > 3);
-  for (const HungTag& tag : result.tags) {
-    CAPTURE(tag.tag);
-    CHECK(tag.rule == "");
-    CHECK(tag.verdict == HangVerdict::fits);
-  }
+  check_all_fit(corridor);
 }
 
 TEST_CASE("cameras that run freely in a drive accuse no plate") {
@@ -134,13 +138,7 @@ TEST_CASE("cameras that run freely in a drive accuse no plate") {
   for (RigCamera& camera : corridor.rig.cameras) camera.delay = 0.02;
   corridor.rig.envelope = VehicleEnvelope{0.1, radians(2), 2};
   set_motion_sigmas(corridor.rig);
-  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, corridor.seen());
-  REQUIRE(result.tags.size() > 3);
-  for (const HungTag& tag : result.tags) {
-    CAPTURE(tag.tag);
-    CHECK(tag.rule == "");
-    CHECK(tag.verdict == HangVerdict::fits);
-  }
+  check_all_fit(corridor);
 }
 
 TEST_CASE("a twisted plate is named, and the others are judged without it") {
