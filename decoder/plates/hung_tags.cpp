@@ -16,6 +16,7 @@
 #include "decoder/plates/attitude_scatter.hpp"
 #include "decoder/plates/drive_fit.hpp"
 #include "decoder/plates/plate_start.hpp"
+#include "decoder/plates/plate_trials.hpp"
 #include "decoder/plates/rig_suspicion.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/as_built_place.hpp"
@@ -562,7 +563,8 @@ std::optional<RigDoubt> rig_doubt(const Survey& survey, const Rig& rig,
   if (!suspicion) return std::nullopt;
   RigDoubt doubt{describe(*suspicion, rig), {}};
   if (std::ranges::all_of(suspicion->suspects, is_of_attitudes)) {
-    doubt.turned = with_turned_plates(survey, suspicion->suspects.front());
+    const RigSuspect& likeliest = suspicion->suspects.front();
+    doubt.turned = with_turned_plates(survey, likeliest.parameter, likeliest.expected);
   }
   return doubt;
 }

@@ -18,6 +18,7 @@
 #include "decoder/plates/attitude_scatter.hpp"
 #include "decoder/plates/drive_fit.hpp"
 #include "decoder/plates/plate_search.hpp"
+#include "decoder/plates/plate_trials.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
@@ -316,83 +317,6 @@ void try_focal_lengths(const Survey& survey, const Rig& rig, const Stated& as_st
   take_if_sure(*with, suspect, stated_sigma, kOfParameter * (cameras - 1), result);
 }
 
-// What is tried for plates: a change by `value` that all of them, or those of a wall, have in
-// common, 0 = none.
-struct PlateTrial {
-  RigParameter parameter;
-  void (*change)(SightedPlate& plate, double value);
-};
-
-// `value`: the logarithm of the plates' size.
-void resize(SightedPlate& plate, double value) {
-  plate.length *= std::exp(value);
-  plate.height *= std::exp(value);
-}
-
-void turn(SightedPlate& plate, double angle, const Eigen::Vector3d& axis) {
-  plate.world_from_plate.rotation *= Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-}
-
-// Plates of both walls rise along the drive by this angle.
-void follow_slope(SightedPlate& plate, double value) {
-  turn(plate, plate.side == Side::left ? -value : value, Eigen::Vector3d::UnitZ());
-}
-
-// The upper edge forward, as the survey's `tilt`.
-void tilt(SightedPlate& plate, double value) { turn(plate, value, Eigen::Vector3d::UnitX()); }
-
-template <Side side>
-void tilt_of_wall(SightedPlate& plate, double value) {
-  if (plate.side == side) tilt(plate, value);
-}
-
-constexpr std::array<PlateTrial, 5> kPlateTrials{{
-    {RigParameter::plate_size, resize},
-    {RigParameter::plate_slope, follow_slope},
-    {RigParameter::plate_tilt, tilt},
-    {RigParameter::left_plate_tilt, tilt_of_wall<Side::left>},
-    {RigParameter::right_plate_tilt, tilt_of_wall<Side::right>},
-}};
-
-Drive changed(const PlateTrial& trial, double value, Drive drive) {
-  for (SightedPlate& plate : drive.plates) trial.change(plate, value);
-  return drive;
-}
-
-// The value with which a drive fits best: the best of a grid, then the vertex of a parabola through
-// it and its neighbours, which come nearer each time. Nothing where no fit converges, nor where
-// none promises a chi-square that is less than that of 0 by `least_gain`.
-std::optional<double> best_value(const std::function<double(double)>& chi_square,
-                                 double least_gain) {
-  constexpr double kStep = 0.05;
-  constexpr int kSteps = 8;  // to each side: sizes of two thirds to one and a half, 23 degrees
-  double best = 0;
-  for (const double way : {-kStep, kStep}) {
-    int worse = 0;  // one after another: twice, and the minimum is behind
-    for (int step = 1; step <= kSteps && worse < 2; ++step) {
-      const double here = chi_square(step * way);
-      if (!std::isfinite(here)) continue;
-      worse = here < chi_square((step - 1) * way) ? 0 : worse + 1;
-      if (here < chi_square(best)) best = step * way;
-    }
-  }
-  if (best == 0) {
-    const double before = chi_square(-kStep), after = chi_square(kStep);
-    const double bend = before + after - 2 * chi_square(0);
-    if (std::pow(before - after, 2) < 8 * bend * least_gain) return std::nullopt;
-  }
-  double step = kStep;
-  for (int round = 0; round < 4; ++round, step /= 5) {
-    const double before = chi_square(best - step), after = chi_square(best + step);
-    const double bend = before + after - 2 * chi_square(best);
-    const double vertex = best + std::clamp((before - after) / bend / 2, -1.0, 1.0) * step;
-    for (const double tried : {best - step, best + step, vertex}) {
-      if (std::isfinite(tried) && chi_square(tried) < chi_square(best)) best = tried;
-    }
-  }
-  return std::isfinite(chi_square(best)) ? std::optional(best) : std::nullopt;
-}
-
 // All plates larger or smaller than their template, as a print that was scaled, or another
 // template; or turned alike, as on walls that lean.
 void try_plates(const Survey& survey, const Rig& rig, const Stated& as_stated,
@@ -402,7 +326,8 @@ void try_plates(const Survey& survey, const Rig& rig, const Stated& as_stated,
   const auto chi_square = [&](double value) {
     const auto [entry, is_new] = known.try_emplace(value, std::numeric_limits<double>::infinity());
     if (!is_new) return entry->second;
-    if (const auto fit = fit_drive(survey, changed(trial, value, *as_stated.drive), rig, sigmas)) {
+    if (const auto fit =
+            fit_drive(survey, plates_changed(trial, value, *as_stated.drive), rig, sigmas)) {
       entry->second = fit->adjustment.chi_square;
     }
     return entry->second;
@@ -410,7 +335,7 @@ void try_plates(const Survey& survey, const Rig& rig, const Stated& as_stated,
   const auto best = best_value(chi_square, as_stated.decisive_gain());
   if (!best) return;
   constexpr double kAside = 0.002;
-  const Drive drive = changed(trial, *best, *as_stated.drive);
+  const Drive drive = plates_changed(trial, *best, *as_stated.drive);
   const auto fit = fit_drive(survey, drive, rig, sigmas);
   const auto with = explained(survey, drive, rig, sigmas, as_stated.excess);
   const double rise =
@@ -431,7 +356,7 @@ std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const St
   std::vector<Candidate> result;
   try_cameras(survey, rig, as_stated, result);
   try_focal_lengths(survey, rig, as_stated, result);
-  for (const PlateTrial& trial : kPlateTrials) try_plates(survey, rig, as_stated, trial, result);
+  for (const PlateTrial& trial : plate_trials()) try_plates(survey, rig, as_stated, trial, result);
   return result;
 }
 
@@ -606,16 +531,6 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
   if (one_plate_explains(survey, rig, as_stated, least)) return std::nullopt;
   suspicion.suspects = likeliest(better, as_stated.excess);
   return suspicion;
-}
-
-Survey with_turned_plates(Survey survey, const RigSuspect& suspect) {
-  const auto trial = std::ranges::find(kPlateTrials, suspect.parameter, &PlateTrial::parameter);
-  for (PlacedTag& tag : survey.tags) {
-    SightedPlate plate{tag.name, tag.side, tag.world_from_plate};
-    trial->change(plate, suspect.expected);
-    tag.world_from_plate = plate.world_from_plate;
-  }
-  return survey;
 }
 
 const char* to_string(RigParameter parameter) {

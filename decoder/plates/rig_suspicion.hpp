@@ -9,26 +9,11 @@
 #include <vector>
 
 #include "decoder/localize/observation.hpp"
+#include "decoder/plates/plate_trials.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail {
-
-// Of a camera, then of the plates of both walls or of one: their size, by how much they rise along
-// the drive, and the survey's `tilt`.
-enum class RigParameter {
-  yaw,
-  pitch,
-  roll,
-  turn,
-  focal,
-  position,
-  plate_size,
-  plate_slope,
-  plate_tilt,
-  left_plate_tilt,
-  right_plate_tilt,
-};
 
 // "yaw", "pitch", ...
 const char* to_string(RigParameter parameter);
@@ -74,9 +59,6 @@ struct RigSuspicion {
 // hangs wrong explains them about as well.
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig);
-
-// The survey with its plates turned as the likeliest suspect says, which is of attitudes.
-Survey with_turned_plates(Survey survey, const RigSuspect& suspect);
 
 // "left: alpha 40.0 +-0.1 degrees in place of 35.0 would explain 9 of 10 rows (2 as it is)"; alpha
 // of level cameras that look to a side.

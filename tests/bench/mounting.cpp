@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include "decoder/plates/plate_trials.hpp"
 #include "decoder/plates/rig_suspicion.hpp"
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -133,7 +134,7 @@ void shift(Site& site, std::size_t camera, double by, Draws& draws) {
 }
 
 void turn_plates(Site& site, RigParameter how) {
-  site.survey = with_turned_plates(std::move(site.survey), {"", how, 0, radians(2)});
+  site.survey = with_turned_plates(std::move(site.survey), how, radians(2));
 }
 
 void zoom(Site& site, std::size_t camera, double factor) {

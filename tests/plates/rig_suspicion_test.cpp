@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/plates/plate_trials.hpp"
 #include "tests/calibrate/seen_drive.hpp"
 
 using namespace tagsmith::detail;
@@ -135,8 +136,7 @@ TEST_CASE("plates that are all turned alike are told with the angle") {
     CAPTURE(std::string(turned.words));
     Seen seen{exact_corridor(), {}};
     const Survey stated = seen.site.survey;
-    seen.site.survey =
-        with_turned_plates(stated, {"", turned.parameter, 0, radians(turned.degrees)});
+    seen.site.survey = with_turned_plates(stated, turned.parameter, radians(turned.degrees));
     Draws draws(21);
     seen.rows = seen_from(seen.site, drive_past(seen.site, 12, draws), draws);
     CHECK_FALSE(suspect_rig(seen.rows, seen.site.survey, seen.site.rig));
@@ -158,8 +158,8 @@ TEST_CASE("plates that are all turned alike are told with the angle") {
 
 TEST_CASE("plates lean as the survey's tilt says, and rise with the drive") {
   const Survey stated = exact_corridor().survey;
-  const Survey tilted = with_turned_plates(stated, {"", RigParameter::plate_tilt, 0, 0.1});
-  const Survey rising = with_turned_plates(stated, {"", RigParameter::plate_slope, 0, 0.1});
+  const Survey tilted = with_turned_plates(stated, RigParameter::plate_tilt, 0.1);
+  const Survey rising = with_turned_plates(stated, RigParameter::plate_slope, 0.1);
   const Vector3d ahead(0, 1, 0);  // the corridor's drive
   for (std::size_t i = 0; i < stated.tags.size(); ++i) {
     CAPTURE(stated.tags[i].name);
