@@ -94,23 +94,33 @@ Json summary_values(const FixSummary& summary) {
   return values;
 }
 
+// By which its values are multiplied for JSON: angles are in degrees there, a camera's focal length
+// in pixels.
+double unit_of(const RigSuspect& suspect, const Rig& rig) {
+  switch (suspect.parameter) {
+    case RigParameter::focal:
+      return suspect.camera.empty() ? 1 : find_camera(rig, suspect.camera)->camera.fx;
+    case RigParameter::position:
+    case RigParameter::plate_size:
+      return 1;
+    default:
+      return degrees(1.0);
+  }
+}
+
 Json suspicion_json(const RigSuspicion& suspicion, const Rig& rig) {
   Json suspects = Json::array();
   for (const RigSuspect& suspect : suspicion.suspects) {
-    const bool is_of_all = suspect.camera.empty();
-    const bool is_position = suspect.parameter == RigParameter::position;
-    const double unit = is_of_attitudes(suspect)   ? degrees(1.0)
-                        : is_of_all || is_position ? 1
-                        : suspect.parameter == RigParameter::focal
-                            ? find_camera(rig, suspect.camera)->camera.fx
-                            : degrees(1.0);
+    const double unit = unit_of(suspect, rig);
     suspects.push_back({{"camera", json_or_null(suspect.camera)},
                         {"parameter", to_string(suspect.parameter)},
                         {"stated", unit * suspect.stated},
                         {"expected", unit * suspect.expected},
                         {"sigma", unit * suspect.sigma},
                         {"rows_explained", suspect.rows_explained}});
-    if (is_position) suspects.back()["shift"] = number_list(suspect.shift);
+    if (suspect.parameter == RigParameter::position) {
+      suspects.back()["shift"] = number_list(suspect.shift);
+    }
   }
   return {{"text", describe(suspicion, rig)},
           {"rows", suspicion.rows},

@@ -2,7 +2,6 @@
 #include "decoder/plates/plate_trials.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -11,43 +10,37 @@
 namespace tagsmith::detail {
 namespace {
 
-// `value`: the logarithm of the plates' size.
-void resize(SightedPlate& plate, double value) {
-  plate.length *= std::exp(value);
-  plate.height *= std::exp(value);
+Pose turned(Pose plate, double angle, const Eigen::Vector3d& axis) {
+  plate.rotation *= Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+  return plate;
 }
-
-void turn(SightedPlate& plate, double angle, const Eigen::Vector3d& axis) {
-  plate.world_from_plate.rotation *= Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-}
-
-// Plates of both walls rise along the drive by this angle.
-void follow_slope(SightedPlate& plate, double value) {
-  turn(plate, plate.side == Side::left ? -value : value, Eigen::Vector3d::UnitZ());
-}
-
-// The upper edge forward, as the survey's `tilt`.
-void tilt(SightedPlate& plate, double value) { turn(plate, value, Eigen::Vector3d::UnitX()); }
-
-template <Side side>
-void tilt_of_wall(SightedPlate& plate, double value) {
-  if (plate.side == side) tilt(plate, value);
-}
-
-constexpr std::array<PlateTrial, 5> kPlateTrials{{
-    {RigParameter::plate_size, resize},
-    {RigParameter::plate_slope, follow_slope},
-    {RigParameter::plate_tilt, tilt},
-    {RigParameter::left_plate_tilt, tilt_of_wall<Side::left>},
-    {RigParameter::right_plate_tilt, tilt_of_wall<Side::right>},
-}};
 
 }  // namespace
 
-std::span<const PlateTrial> plate_trials() { return kPlateTrials; }
+Pose turned_plate(const Pose& plate, Side side, RigParameter parameter, double angle) {
+  const bool on_left = side == Side::left;
+  switch (parameter) {
+    case RigParameter::plate_slope:
+      return turned(plate, on_left ? -angle : angle, Eigen::Vector3d::UnitZ());
+    case RigParameter::plate_tilt:
+      return turned(plate, angle, Eigen::Vector3d::UnitX());
+    case RigParameter::left_plate_tilt:
+      return on_left ? turned(plate, angle, Eigen::Vector3d::UnitX()) : plate;
+    case RigParameter::right_plate_tilt:
+      return on_left ? plate : turned(plate, angle, Eigen::Vector3d::UnitX());
+    default:
+      return plate;
+  }
+}
 
-Drive plates_changed(const PlateTrial& trial, double value, Drive drive) {
-  for (SightedPlate& plate : drive.plates) trial.change(plate, value);
+Drive plates_changed(RigParameter parameter, double value, Drive drive) {
+  for (SightedPlate& plate : drive.plates) {
+    if (parameter == RigParameter::plate_size) {
+      plate.length *= std::exp(value);
+      plate.height *= std::exp(value);
+    }
+    plate.world_from_plate = turned_plate(plate.world_from_plate, plate.side, parameter, value);
+  }
   return drive;
 }
 
@@ -83,11 +76,8 @@ std::optional<double> best_value(const std::function<double(double)>& chi_square
 }
 
 Survey with_turned_plates(Survey survey, RigParameter parameter, double angle) {
-  const auto trial = std::ranges::find(kPlateTrials, parameter, &PlateTrial::parameter);
   for (PlacedTag& tag : survey.tags) {
-    SightedPlate plate{tag.name, tag.side, tag.world_from_plate};
-    trial->change(plate, angle);
-    tag.world_from_plate = plate.world_from_plate;
+    tag.world_from_plate = turned_plate(tag.world_from_plate, tag.side, parameter, angle);
   }
   return survey;
 }

@@ -3,9 +3,9 @@
 // another size, or a turn.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
-#include <span>
 
 #include "decoder/plates/drive_fit.hpp"
 
@@ -27,16 +27,17 @@ enum class RigParameter {
   right_plate_tilt,
 };
 
-// A change of plates by `value`, 0 = none: the logarithm of their size, or an angle in radians.
-struct PlateTrial {
-  RigParameter parameter;
-  void (*change)(SightedPlate& plate, double value);
-};
+// Those that plates have.
+inline constexpr std::array kCommonToPlates{RigParameter::plate_size, RigParameter::plate_slope,
+                                            RigParameter::plate_tilt, RigParameter::left_plate_tilt,
+                                            RigParameter::right_plate_tilt};
 
-// Of each parameter that plates have.
-std::span<const PlateTrial> plate_trials();
+// The plate on this wall turned by an angle (radians) of `parameter`; as it is where that does not
+// turn it.
+Pose turned_plate(const Pose& plate, Side side, RigParameter parameter, double angle);
 
-Drive plates_changed(const PlateTrial& trial, double value, Drive drive);
+// The drive with its plates changed by `value`, 0 = none: the logarithm of their size, or an angle.
+Drive plates_changed(RigParameter parameter, double value, Drive drive);
 
 // The value with which a drive fits best: the best of a grid, then the vertex of a parabola through
 // it and its neighbours, which come nearer each time. Nothing where no fit converges, nor where

@@ -320,14 +320,14 @@ void try_focal_lengths(const Survey& survey, const Rig& rig, const Stated& as_st
 // All plates larger or smaller than their template, as a print that was scaled, or another
 // template; or turned alike, as on walls that lean.
 void try_plates(const Survey& survey, const Rig& rig, const Stated& as_stated,
-                const PlateTrial& trial, std::vector<Candidate>& result) {
+                RigParameter parameter, std::vector<Candidate>& result) {
   const std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
   std::map<double, double> known;
   const auto chi_square = [&](double value) {
     const auto [entry, is_new] = known.try_emplace(value, std::numeric_limits<double>::infinity());
     if (!is_new) return entry->second;
     if (const auto fit =
-            fit_drive(survey, plates_changed(trial, value, *as_stated.drive), rig, sigmas)) {
+            fit_drive(survey, plates_changed(parameter, value, *as_stated.drive), rig, sigmas)) {
       entry->second = fit->adjustment.chi_square;
     }
     return entry->second;
@@ -335,14 +335,14 @@ void try_plates(const Survey& survey, const Rig& rig, const Stated& as_stated,
   const auto best = best_value(chi_square, as_stated.decisive_gain());
   if (!best) return;
   constexpr double kAside = 0.002;
-  const Drive drive = plates_changed(trial, *best, *as_stated.drive);
+  const Drive drive = plates_changed(parameter, *best, *as_stated.drive);
   const auto fit = fit_drive(survey, drive, rig, sigmas);
   const auto with = explained(survey, drive, rig, sigmas, as_stated.excess);
   const double rise =
       chi_square(*best - kAside) + chi_square(*best + kAside) - 2 * chi_square(*best);
   if (!fit || !with || !is_better(*with, as_stated) || !(rise > 0)) return;
-  const bool is_size = trial.parameter == RigParameter::plate_size;
-  RigSuspect suspect{"", trial.parameter, is_size ? 1.0 : 0.0, is_size ? std::exp(*best) : *best};
+  const bool is_size = parameter == RigParameter::plate_size;
+  RigSuspect suspect{"", parameter, is_size ? 1.0 : 0.0, is_size ? std::exp(*best) : *best};
   suspect.sigma = std::sqrt(2 * usual_excess(*fit, drive) / rise) * kAside;
   // A turn that all plates have in common moves positions of two to four tags by more than three of
   // their standard deviations from twice the stated one on.
@@ -356,7 +356,9 @@ std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const St
   std::vector<Candidate> result;
   try_cameras(survey, rig, as_stated, result);
   try_focal_lengths(survey, rig, as_stated, result);
-  for (const PlateTrial& trial : plate_trials()) try_plates(survey, rig, as_stated, trial, result);
+  for (const RigParameter parameter : kCommonToPlates) {
+    try_plates(survey, rig, as_stated, parameter, result);
+  }
   return result;
 }
 

@@ -23,6 +23,7 @@
 #include <fmt/ranges.h>
 
 #include "decoder/localize/joint_method.hpp"
+#include "decoder/plates/plate_trials.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/place_tags.hpp"
@@ -148,29 +149,24 @@ void stretch_spacing(World& world, Draws& draws) {
   }
 }
 
-// Plates that follow a slope of the floor instead of hanging level.
-void follow_slope(World& world, Draws& draws) {
-  const double slope = between(draws, 0.002, 0.15);
+void turn_plates(World& world, RigParameter how, double angle) {
   for (HungPlate& plate : world.plates) {
-    const double turn = plate.tag.side == Side::left ? slope : -slope;
-    plate.world_from_plate.rotation *=
-        Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix();
+    plate.world_from_plate = turned_plate(plate.world_from_plate, plate.tag.side, how, angle);
   }
 }
 
-// Walls, and the plates on them, that lean outward.
-void lean_walls(World& world, Draws& draws) {
-  const Eigen::AngleAxisd lean(radians(between(draws, 0.2, 20)), Vector3d::UnitX());
-  for (HungPlate& plate : world.plates) plate.world_from_plate.rotation *= lean.toRotationMatrix();
+// Plates that follow a slope of the floor instead of hanging level.
+void follow_slope(World& world, Draws& draws) {
+  turn_plates(world, RigParameter::plate_slope, between(draws, 0.002, 0.15));
 }
+
+double lean(Draws& draws) { return radians(between(draws, 0.2, 20)); }
 
 // One of the walls alone.
 void lean_wall(World& world, Draws& draws) {
-  const Side side = draws.chance(0.5) ? Side::left : Side::right;
-  const Eigen::AngleAxisd lean(radians(between(draws, 0.2, 20)), Vector3d::UnitX());
-  for (HungPlate& plate : world.plates) {
-    if (plate.tag.side == side) plate.world_from_plate.rotation *= lean.toRotationMatrix();
-  }
+  const bool on_left = draws.chance(0.5);
+  turn_plates(world, on_left ? RigParameter::left_plate_tilt : RigParameter::right_plate_tilt,
+              lean(draws));
 }
 
 // Plates of one wall from a printer that scales.
@@ -306,7 +302,7 @@ std::vector<Mistake> mistakes() {
        [](const Site&, World& w, Draws& d) { follow_slope(w, d); }},
       {"plates on leaning walls",
        {wall_turn},
-       [](const Site&, World& w, Draws& d) { lean_walls(w, d); }},
+       [](const Site&, World& w, Draws& d) { turn_plates(w, RigParameter::plate_tilt, lean(d)); }},
       {"plates on one leaning wall",
        {plate_place, wall_turn},
        [](const Site&, World& w, Draws& d) { lean_wall(w, d); }},
