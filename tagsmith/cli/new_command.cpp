@@ -20,6 +20,7 @@
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/draft/check_points.hpp"
 #include "tagsmith/draft/draft_survey.hpp"
+#include "tagsmith/draft/far_points.hpp"
 #include "tagsmith/draft/fit_tunnel.hpp"
 #include "tagsmith/draft/length_units.hpp"
 #include "tagsmith/draft/point_list.hpp"
@@ -280,6 +281,33 @@ void hold_width(Tunnel& tunnel, double width) {
   tunnel.right = wished.right;
 }
 
+// The tunnel through the points, beside which walls are added where --width says so.
+Result<void> fit_draft(const NewOptions& options, const TunnelFitOptions& fitted,
+                       std::vector<SurveyedPoint> points, SurveyDraft& draft) {
+  const auto with_walls =
+      [&](std::vector<SurveyedPoint> some) -> Result<std::vector<SurveyedPoint>> {
+    if (!options.width) return some;
+    if (auto added = add_walls_beside(some, draft.grid, *options.width); !added) return fail(added);
+    return some;
+  };
+  const auto fit_of = [&](const std::vector<SurveyedPoint>& some) -> Result<TunnelFit> {
+    const auto walled = with_walls(some);
+    if (!walled) return fail(walled);
+    return fit_tunnel(*walled, draft.grid, draft.tag, fitted);
+  };
+  FindingLog log(options.points);
+  check_far_points(points, draft.grid, fit_of, log);
+  if (log.has_errors()) return fail(to_string(log.sorted(), true));
+  auto walled = with_walls(std::move(points));
+  if (!walled) return fail(options.points + ": " + walled.error().message);
+  draft.points = std::move(*walled);
+  Result<TunnelFit> fit = fit_tunnel(draft.points, draft.grid, draft.tag, fitted);
+  if (!fit) return fail(options.points + ": " + fit.error().message);
+  draft.fit = std::move(*fit);
+  if (options.width) hold_width(draft.fit.tunnel, *options.width);
+  return {};
+}
+
 Result<Drafted> make_draft(const NewOptions& options) {
   Drafted drafted;
   Result<PointList> list = read_points(options, drafted.warnings);
@@ -292,10 +320,6 @@ Result<Drafted> make_draft(const NewOptions& options) {
   draft.template_name = template_of(options, *list);
   draft.grid = list->survey ? list->survey->grid : Grid{options.x_axis == "left"};
   if (!draft.grid.x_axis_left) draft.grid.epsg = list->epsg;
-  if (options.width) {
-    const auto added = add_walls_beside(list->points, draft.grid, *options.width);
-    if (!added) return fail(options.points + ": " + added.error().message);
-  }
   const auto tag = named_template(draft.template_name, options.name);
   if (!tag) return fail(tag);
   if (auto same = check_template(*list, *tag); !same) {
@@ -304,11 +328,7 @@ Result<Drafted> make_draft(const NewOptions& options) {
   draft.tag = *tag;
   TunnelFitOptions fitted = fit_options(options);
   if (list->alignment) fitted.alignment = line_in_world(*list->alignment, draft.grid);
-  Result<TunnelFit> fit = fit_tunnel(list->points, draft.grid, *tag, fitted);
-  if (!fit) return fail(options.points + ": " + fit.error().message);
-  draft.fit = std::move(*fit);
-  if (options.width) hold_width(draft.fit.tunnel, *options.width);
-  draft.points = std::move(list->points);
+  if (auto fit = fit_draft(options, fitted, std::move(list->points), draft); !fit) return fail(fit);
   FindingLog log(options.points);
   if (options.list.order != "own") {
     check_heights(draft.points, draft.fit, log);

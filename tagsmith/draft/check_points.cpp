@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -183,15 +184,22 @@ void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fi
     const double floor = fit.tunnel.centerline.at(chainage).position.z();
     kinds[points[i].kind].push_back({chainage, points[i].in_grid.z() - floor, i});
   }
+  std::vector<HeightStation>& left = kinds[PointKind::left_tag];
+  std::vector<HeightStation>& right = kinds[PointKind::right_tag];
+  if (std::min(left.size(), right.size()) < kLeastOfKind) {
+    std::ranges::move(right, std::back_inserter(left));
+    right.clear();
+  }
   for (auto& [kind, stations] : kinds) {
     std::ranges::stable_sort(stations, {}, &HeightStation::chainage);
     for (const HeightSlip& slip : slips_of(stations)) {
       const SurveyedPoint& point = points[slip.index];
-      log.warning({point.line, 0}, "height-slip",
-                  fmt::format("point {} ({}) lies {:+.3f} m from the height that its neighbours "
-                              "say; the others of its kind scatter by {:.3f} m",
-                              point.name.substr(0, 60), to_string(kind), slip.off, slip.sigma),
-                  "measure its height again, or take it out");
+      log.warning(
+          {point.line, 0}, "height-slip",
+          fmt::format("point {} ({}) lies {:+.3f} m from the height that its neighbours "
+                      "say; the others of its kind scatter by {:.3f} m",
+                      point.name.substr(0, 60), to_string(point.kind), slip.off, slip.sigma),
+          "measure its height again, or take it out");
     }
   }
 }

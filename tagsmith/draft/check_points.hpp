@@ -23,8 +23,9 @@ std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& point
                                          double metres_per_unit);
 
 // Logs a warning for each point whose height disagrees with the line through the six nearest of
-// its kind along the drive, by more than eight times the scatter of that kind and 30 mm. Of kinds
-// with fewer than seven points nothing is said.
+// its kind along the drive, by more than eight times the scatter of that kind and 30 mm. Tags of
+// both walls are one kind where a wall has fewer than seven. Of kinds with fewer than seven points
+// nothing is said.
 void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fit, FindingLog& log);
 
 // The same across the tunnel: for each point that lies further from where it was fitted than eight

@@ -700,11 +700,11 @@ Result<ChainageProfile> fit_roof(const Centerline& line, const std::vector<Surve
   }
   if (stations.empty() && options.roof_height) return *options.roof_height;
   if (stations.empty()) return fail("no points of the roof (RF): give its height, --tunnel-height");
-  double sum = 0;
-  for (const ProfileStation& station : stations) sum += station.value;
-  const double mean = sum / static_cast<double>(stations.size());
-  if (mean <= 0) return fail("the points of the roof (RF) lie below the floor");
-  if (!measured_walls && !is_listed) return std::round(mean * 1000) / 1000;
+  std::vector<double> heights;
+  for (const ProfileStation& station : stations) heights.push_back(station.value);
+  const double usual = median(std::move(heights));
+  if (usual <= 0) return fail("the points of the roof (RF) lie below the floor");
+  if (!measured_walls && !is_listed) return std::round(usual * 1000) / 1000;
   const ChainageProfile roof = through(std::move(stations));
   return roof.least() == roof.greatest() ? ChainageProfile(roof.least()) : roof;
 }

@@ -692,6 +692,37 @@ TEST_CASE("one point with east and north exchanged is named, whatever it is") {
   }
 }
 
+TEST_CASE("one point with a mistyped digit far from the others is named, whatever it is") {
+  for (const std::size_t index : {0U, 15U, 30U, 50U, 61U, 65U}) {
+    for (const Eigen::Vector3d& slip :
+         {Eigen::Vector3d(90, 0, 0), Eigen::Vector3d(0, -20'000, 0), Eigen::Vector3d(0, 0, 2000)}) {
+      CAPTURE(index);
+      CAPTURE(slip.transpose());
+      const TemporaryFolder folder;
+      PointWriter points = surveyed_drift(0.003);
+      points.points[index].p += slip;
+      const ProgramOutput refused = draft(folder.path(), points.text("PENZD"), "--order PENZD");
+      CHECK(refused.exit_code == 2);
+      const std::string named = fmt::format("points.csv:{}: error: ", index + 1);
+      CHECK_MESSAGE(refused.err.find(named) != std::string::npos, refused.err);
+      CHECK(refused.err.find("[far-point]") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("a point that continues the tunnel after a gap is not far from it") {
+  PointWriter points(0.003, 1);
+  for (int i = 0; i < 6; ++i) points.add(1 + 3 * i, -2.1, 1.3, "WL");
+  for (int i = 0; i < 6; ++i) points.add(1 + 3 * i, 2.1, 1.3, "WR");
+  for (int i = 0; i < 3; ++i) points.add(2 + 6 * i, 0, 0, "FL");
+  points.add(5, 0, 3.1, "RF");
+  points.add(4, -2.1, 1.4, "TL");
+  points.add(29.5, -2.1, 1.3, "WL");  // 13 m beyond the others, in line with them
+  const TemporaryFolder folder;
+  const ProgramOutput made = draft(folder.path(), points.text("PENZD"), "--order PENZD");
+  CHECK_MESSAGE(made.exit_code == 0, made.err);
+}
+
 TEST_CASE("a slip of 100 mm in one height is named where the others keep to 3 mm") {
   for (const std::size_t index : {4U, 30U, 51U, 55U}) {  // walls, floor
     for (const double slip : {-0.1, 0.1}) {
