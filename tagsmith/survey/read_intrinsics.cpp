@@ -52,14 +52,15 @@ std::optional<Camera> read_lens(const MapReader& map, const ImageSize& size) {
   if (!focal || !sensor) return std::nullopt;
   const Camera camera =
       camera_from_sensor(size.width, size.height, *focal, (*sensor)[0], (*sensor)[1]);
-  constexpr double kSquare = 0.02;  // data sheets round sensor sizes to a tenth of a millimetre
-  if (std::abs(camera.fx / camera.fy - 1) > kSquare) {
-    sides.warning("odd-pixels",
-                  sides.name + " and image_size give pixels of " +
-                      format_number(1000 * (*sensor)[0] / size.width, 3) + " x " +
-                      format_number(1000 * (*sensor)[1] / size.height, 3) +
-                      " micrometres, expected square ones",
-                  "check the order of width and height");
+  if (std::abs(camera.fx / camera.fy - 1) > kSquarePixels) {
+    sides.warning(
+        "odd-pixels",
+        sides.name + " and image_size give pixels of " +
+            format_number(1000 * (*sensor)[0] / size.width, 3) + " x " +
+            format_number(1000 * (*sensor)[1] / size.height, 3) +
+            " micrometres, expected square ones",
+        "check the order of width and height; of a picture cut from the sensor (16:9 from "
+        "4:3), give the size of the part that is used");
   }
   return camera;
 }
@@ -167,12 +168,12 @@ void warn_of_odd_lens(const MapReader& map, const YamlValue& stated, const Camer
                        ? "focal_length_mm and sensor_mm are in millimetres: 6 for 0.006 m"
                        : "focal lengths are in pixels here; so wide a lens needs model: fisheye");
   }
-  constexpr double kAlike = 0.05;
-  if (std::abs(camera.fx / camera.fy - 1) > kAlike) {
+  const double alike = map.has("sensor_mm") ? 0.05 : 0.01;  // of a data sheet see odd-pixels
+  if (std::abs(camera.fx / camera.fy - 1) > alike) {
     stated.warning("odd-focal-length",
                    name + ": focal lengths of " + format_number(camera.fx, 1) + " and " +
                        format_number(camera.fy, 1) + " pixels across and down",
-                   "pixels are square, or nearly so: is a digit missing?");
+                   "pixels are square, or nearly so: is a digit wrong or missing?");
   }
   const double right = camera.width - 1.0;
   const double bottom = camera.height - 1.0;

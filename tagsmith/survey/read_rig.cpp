@@ -96,6 +96,16 @@ void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
   if (!map.has("focal") || !map.has("center")) camera.assumed_sigma += source_text(source);
 }
 
+// The sizes of a data sheet that are not stated as exact give one focal length, the mean of those
+// across and down: between the two a position would be centimetres off.
+void take_square_pixels(const MapReader& keys, RigCamera& camera) {
+  Camera& lens = camera.camera;
+  if (intrinsics_source(keys) != IntrinsicsSource::data_sheet) return;
+  if (camera.calibration_sigma.focal == 0 || lens.fy == 0) return;
+  if (std::abs(lens.fx / lens.fy - 1) > kSquarePixels) return;
+  lens.fx = lens.fy = std::sqrt(lens.fx * lens.fy);
+}
+
 // Depth of field: a focus has no meaning without the lens opening, nor the reverse.
 void read_focus(const MapReader& map, RigCamera& camera) {
   camera.focus = map.number_if_there("focus", above_zero(10'000, "m"));
@@ -181,6 +191,7 @@ RigCamera read_camera(const YamlValue& value, const std::string& name, const fs:
   camera.readout = map.number_if_there("readout", between(0, 10, "s"));
   camera.delay = map.number_if_there("delay", between(0, 10, "s"));
   read_calibration_sigma(map, camera);
+  take_square_pixels(map, camera);
   read_focus(map, camera);
   lint_side(map, camera);
   lint_position(map, camera);

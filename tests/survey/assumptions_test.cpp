@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/assumptions.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -43,6 +44,22 @@ std::string calibration_file() {
 }
 
 }  // namespace
+
+TEST_CASE("pixels by the rounded sizes of a data sheet are square, of the mean size") {
+  const std::string rounded = replaced(kDataSheet, "[4.8, 3.6]", "[6.17, 4.55]");
+  const double fx = 6.0 * 1280 / 6.17, fy = 6.0 * 960 / 4.55;
+  for (const char* sigma :
+       {"", "{ position: 0.001, angle: 0.1, focal: 0.01, center: 5, edge: 0 }"}) {
+    const RigCamera camera = camera_of(rounded, sigma);
+    CHECK(camera.camera.fx == Approx(std::sqrt(fx * fy)));
+    CHECK(camera.camera.fy == camera.camera.fx);
+  }
+  const RigCamera exact = camera_of(rounded, "0");
+  CHECK(exact.camera.fx == Approx(fx));
+  CHECK(exact.camera.fy == Approx(fy));
+  const RigCamera cut = camera_of(replaced(kDataSheet, "[4.8, 3.6]", "[4.8, 3.5]"));
+  CHECK(cut.camera.fy > 1.02 * cut.camera.fx);
+}
 
 TEST_CASE("a survey that states no sigma is taken to be good to 3 mm and 0.3 degrees") {
   const Survey unstated = survey_of(replaced(right_survey(), "  sigma: 0.003\n", ""));
