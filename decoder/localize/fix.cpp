@@ -38,7 +38,7 @@ constexpr auto kKindWords = std::to_array<KindWords>({
     {"plate_size", "the size of the plates"},
     {"mounting", "the mounting of camera "},
     {"lens", "the lens of camera "},
-    {"all_lenses", "the focal length of all cameras"},
+    {"all_lenses", "the lenses of all cameras"},
     {"rolling_shutter", "a rolling shutter of cameras whose readout is not stated"},
     {"range", "the range "},
     {"vehicle_height", "the height of the vehicle"},

@@ -21,9 +21,11 @@ constexpr double kShift = 1.0;  // metres, of a plate, a camera, a wall
 constexpr double kTurn = 1.0;   // radians, of a camera
 constexpr double kLean = 0.1;   // radians, of a plate against its wall
 constexpr double kWay = 0.1;  // metres, while a rolling shutter passes over an image: 3 m/s, 33 ms
-constexpr double kShare = 0.3;   // of a length: focal length, size of plates, spacing
-constexpr double kCenter = 100;  // pixels, of a principal point
-constexpr double kBent = 0.3;    // k1 of a lens
+constexpr double kShare = 0.3;       // of a length: focal length, size of plates, spacing
+constexpr double kCenter = 100;      // pixels, of a principal point
+constexpr double kBent = 0.3;        // k1 of a lens
+constexpr double kNotSquare = 0.02;  // pixels' width by their height: readers of rigs warn of more
+constexpr Index kLensMistakes = 5;
 // Standard deviations of the position that matter: five, minus one for the effect of noise.
 constexpr double kFarOff = 4;
 constexpr double kNoticed = 3.1;  // a normal value: chi-square that right rows exceed in 0.1 %
@@ -129,10 +131,15 @@ Rows by_size(const SightedPlate& plate, const SightingRows& seen) {
   return rows;
 }
 
-// By the focal length (relative), the principal point, and k1.
+// By the focal length (relative), the principal point, k1, and the focal length across alone.
 Rows by_lens(const SightingRows& seen) {
   const Eigen::Vector4d gross(kShare, kCenter, kCenter, kBent);
-  return seen.by_calibration.middleCols<4>(6) * gross.asDiagonal();
+  Rows rows(kSightingRows, kLensMistakes);
+  rows.leftCols<4>() = seen.by_calibration.middleCols<4>(6) * gross.asDiagonal();
+  for (Index row = 0; row < kSightingRows; ++row) {
+    rows(row, 4) = row % 2 == 0 ? kNotSquare * seen.by_calibration(row, 6) : 0;
+  }
+  return rows;
 }
 
 Rows by_mounting(const SightingRows& seen) {
@@ -205,11 +212,11 @@ void Effects::add_cameras() {
     add(Unchecked::Kind::mounting, cameras[i].name, 6, [&](const SeenRows& seen) -> Rows {
       return is_other(seen) ? Rows::Zero(kSightingRows, 6) : by_mounting(seen.rows);
     });
-    add(Unchecked::Kind::lens, cameras[i].name, 4, [&](const SeenRows& seen) -> Rows {
-      return is_other(seen) ? Rows::Zero(kSightingRows, 4) : by_lens(seen.rows);
+    add(Unchecked::Kind::lens, cameras[i].name, kLensMistakes, [&](const SeenRows& seen) -> Rows {
+      return is_other(seen) ? Rows::Zero(kSightingRows, kLensMistakes) : by_lens(seen.rows);
     });
   }
-  add(Unchecked::Kind::all_lenses, "", 4,
+  add(Unchecked::Kind::all_lenses, "", kLensMistakes,
       [&](const SeenRows& seen) -> Rows { return by_lens(seen.rows); });
 }
 

@@ -242,6 +242,12 @@ std::vector<Mistake> mistakes() {
          const double factor = 1 + between(d, 0.003, 0.5);
          for (RigCamera& c : w.rig.cameras) set_focal(c, factor);
        }},
+      {"pixels of all cameras not square",
+       {lens, all_lenses},
+       [](const Site&, World& w, Draws& d) {
+         const double factor = 1 + between(d, 0.002, 0.02);  // readers of rigs warn of more
+         for (RigCamera& c : w.rig.cameras) c.camera.fx *= factor;
+       }},
       {"image centre of one camera",
        {lens},
        [](const Site&, World& w, Draws& d) {
