@@ -578,7 +578,7 @@ Result<int> run(const AdjustOptions& options) {
   print_assumptions(kAdjust, assumptions({&input->survey, 1}, input->setup.rig));
   if (const auto doubt = rig_doubt(input->survey, input->setup.rig, sighted)) {
     to_stderr("tagsmith {}: the {} in doubt, and nothing was adjusted: {}\n", kAdjust,
-              doubt->turned ? "plates' attitudes are" : "rig is", doubt->text);
+              doubt->hung ? "plates are" : "rig is", doubt->text);
     return kExitFindings;
   }
   Result<AsBuiltSurvey> found =

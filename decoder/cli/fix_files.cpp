@@ -101,6 +101,7 @@ double unit_of(const RigSuspect& suspect, const Rig& rig) {
     case RigParameter::focal:
       return suspect.camera.empty() ? 1 : find_camera(rig, suspect.camera)->camera.fx;
     case RigParameter::position:
+    case RigParameter::plate_point:
     case RigParameter::plate_size:
       return 1;
     default:
@@ -118,7 +119,8 @@ Json suspicion_json(const RigSuspicion& suspicion, const Rig& rig) {
                         {"expected", unit * suspect.expected},
                         {"sigma", unit * suspect.sigma},
                         {"rows_explained", suspect.rows_explained}});
-    if (suspect.parameter == RigParameter::position) {
+    if (suspect.parameter == RigParameter::position ||
+        suspect.parameter == RigParameter::plate_point) {
       suspects.back()["shift"] = number_list(suspect.shift);
     }
   }

@@ -265,8 +265,8 @@ std::string to_string(const WrongRange& wrong) {
 std::string to_string(const WrongHeight& wrong) {
   return fmt::format(
       "the vehicle stands {:.3f} m above the floor on the median of the rows, and the rig says "
-      "{:.3f} m ({:.1f} standard deviations): the rig's vehicle.height or cameras are wrong, or "
-      "the photos are mirrored top to bottom",
+      "{:.3f} m ({:.1f} standard deviations): the rig's vehicle.height or cameras are wrong, all "
+      "plates hang higher or lower than surveyed, or the photos are mirrored top to bottom",
       wrong.height, wrong.stated, wrong.sigmas);
 }
 

@@ -562,9 +562,8 @@ std::optional<RigDoubt> rig_doubt(const Survey& survey, const Rig& rig,
   const auto suspicion = suspect_rig(rows_of(survey, rig, sighted), survey, rig);
   if (!suspicion) return std::nullopt;
   RigDoubt doubt{describe(*suspicion, rig), {}};
-  if (std::ranges::all_of(suspicion->suspects, is_of_attitudes)) {
-    const RigSuspect& likeliest = suspicion->suspects.front();
-    doubt.turned = with_turned_plates(survey, likeliest.parameter, likeliest.expected);
+  if (std::ranges::all_of(suspicion->suspects, is_of_hanging)) {
+    doubt.hung = with_plates_of(suspicion->suspects.front(), survey);
   }
   return doubt;
 }
@@ -581,9 +580,9 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   auto doubt = rig_doubt(survey, rig, sighted);
   if (!doubt) return hung_as_surveyed(survey, rig, sighted, tolerance);
   HungTags result;
-  if (doubt->turned) {
-    result = hung_as_surveyed(*doubt->turned, rig, sighted, tolerance);
-    result.turned = std::move(doubt->text);
+  if (doubt->hung) {
+    result = hung_as_surveyed(*doubt->hung, rig, sighted, tolerance);
+    result.all_alike = std::move(doubt->text);
   } else {
     result.nothing_fits = true;
     result.rig_doubt = std::move(doubt->text);

@@ -76,7 +76,8 @@ struct HungTags {
   std::vector<std::string> assumed;  // what survey and rig do not state; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
   std::string rig_doubt{};  // the value of the rig that is why (rig_suspicion.hpp), or empty
-  std::string turned{};  // in words, how all plates are turned alike (rig_suspicion.hpp), or empty
+  // In words, how all plates hang otherwise alike (rig_suspicion.hpp), or empty.
+  std::string all_alike{};
   std::string revision{};  // of the survey, where files were judged (hanging_check.hpp)
 };
 
@@ -105,9 +106,9 @@ std::optional<std::string> untied_in_words(std::span<const UntiedPair> untied);
 
 struct RigDoubt {
   std::string text;
-  // Where only the attitudes that plates have in common are in doubt: with what they likely are.
+  // Where only how all plates hang alike is in doubt: the survey with them as they likely hang.
   // Where each plate hangs can be measured with it.
-  std::optional<Survey> turned;
+  std::optional<Survey> hung;
 };
 
 // What explains that the pictures contradict rig or survey in one and the same way (suspect_rig),

@@ -17,6 +17,34 @@ Pose turned(Pose plate, double angle, const Eigen::Vector3d& axis) {
 
 }  // namespace
 
+std::vector<MeasuredPoint> points_besides_p(const TagTemplate& tag) {
+  const double length = tag.frame_inner_length, height = tag.frame_inner_height;
+  const double stroke = tag.frame_stroke;
+  const Eigen::Vector2d corner_of_plate((length - tag.plate_length) / 2 - tag.frame_offset_right,
+                                        (height - tag.plate_height) / 2 + tag.frame_offset_up);
+  return {{"the frame's middle", {length / 2, height / 2}},
+          {"the frame's top right corner", {length, 0}},
+          {"the frame's bottom left corner", {0, height}},
+          {"the frame's bottom right corner", {length, height}},
+          {"the frame's outer top left corner", {-stroke, -stroke}},
+          {"the plate's top left corner", corner_of_plate}};
+}
+
+Pose plate_measured_at(const MeasuredPoint& point, const Survey& survey, Side side,
+                       const Pose& listed) {
+  constexpr int kRounds = 4;  // where walls bend
+  const auto wall_at = [&](const Eigen::Vector3d& p) {
+    return plate_on_wall(survey.tunnel, survey.tag_template, side, p).rotation;
+  };
+  const Eigen::Matrix3d against_wall = wall_at(listed.translation).transpose() * listed.rotation;
+  Pose plate = listed;
+  for (int round = 0; round < kRounds; ++round) {
+    plate.translation = listed.translation - plate.rotation.leftCols<2>() * point.place;
+    plate.rotation = wall_at(plate.translation) * against_wall;
+  }
+  return plate;
+}
+
 Pose turned_plate(const Pose& plate, Side side, RigParameter parameter, double angle) {
   const bool on_left = side == Side::left;
   switch (parameter) {
@@ -78,6 +106,14 @@ std::optional<double> best_value(const std::function<double(double)>& chi_square
 Survey with_turned_plates(Survey survey, RigParameter parameter, double angle) {
   for (PlacedTag& tag : survey.tags) {
     tag.world_from_plate = turned_plate(tag.world_from_plate, tag.side, parameter, angle);
+  }
+  return survey;
+}
+
+Survey with_plates_measured_at(Survey survey, const MeasuredPoint& point) {
+  for (PlacedTag& tag : survey.tags) {
+    tag.world_from_plate = plate_measured_at(point, survey, tag.side, tag.world_from_plate);
+    tag.p_in_grid = grid_from_world(survey.grid, tag.world_from_plate.translation);
   }
   return survey;
 }

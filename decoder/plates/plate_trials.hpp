@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // What all plates of a drive, or those of a wall, may have in common that the survey does not say:
-// another size, or a turn.
+// another size, a turn, or another point that was measured in place of P.
 #pragma once
 
 #include <array>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "decoder/plates/drive_fit.hpp"
 
 namespace tagsmith::detail {
 
-// What may differ from rig or survey: of a camera, then of the plates of both walls or of one:
-// their size, by how much they rise along the drive, and the survey's `tilt`.
+// What may differ from rig or survey: of a camera, then of the plates of both walls or of one: the
+// point that was measured, their size, by how much they rise along the drive, and the survey's
+// `tilt`.
 enum class RigParameter {
   yaw,
   pitch,
@@ -20,6 +22,7 @@ enum class RigParameter {
   turn,
   focal,
   position,
+  plate_point,
   plate_size,
   plate_slope,
   plate_tilt,
@@ -27,7 +30,21 @@ enum class RigParameter {
   right_plate_tilt,
 };
 
-// Those that plates have.
+// A point of a plate: from P to the right and down as seen by who faces the plate, metres.
+struct MeasuredPoint {
+  const char* name = "";
+  Eigen::Vector2d place{0, 0};
+};
+
+// Points that a surveyor may measure in place of P, the inner top left corner of the frame.
+std::vector<MeasuredPoint> points_besides_p(const TagTemplate& tag);
+
+// Where a plate hangs if the place that the survey has for its P is that of this point; turned
+// against its wall as the survey has it.
+Pose plate_measured_at(const MeasuredPoint& point, const Survey& survey, Side side,
+                       const Pose& listed);
+
+// Those that plates have and that take any value.
 inline constexpr std::array kCommonToPlates{RigParameter::plate_size, RigParameter::plate_slope,
                                             RigParameter::plate_tilt, RigParameter::left_plate_tilt,
                                             RigParameter::right_plate_tilt};
@@ -47,5 +64,8 @@ std::optional<double> best_value(const std::function<double(double)>& chi_square
 
 // The survey with its plates turned by this angle; `parameter`: one of their attitudes.
 Survey with_turned_plates(Survey survey, RigParameter parameter, double angle);
+
+// The survey with its plates where they hang if its positions are those of this point.
+Survey with_plates_measured_at(Survey survey, const MeasuredPoint& point);
 
 }  // namespace tagsmith::detail

@@ -350,12 +350,31 @@ void try_plates(const Survey& survey, const Rig& rig, const Stated& as_stated,
   take_if_sure(*with, suspect, stated_sigma, kOfParameter, result);
 }
 
-// Rigs, and plates of another size or attitude, that explain the rows much better than the rig as
-// stated.
+// The survey's positions are not those of P but of another point of each plate.
+void try_points(const Survey& survey, const Rig& rig, const Stated& as_stated,
+                std::vector<Candidate>& result) {
+  for (const MeasuredPoint& point : points_besides_p(survey.tag_template)) {
+    Drive drive = *as_stated.drive;
+    for (SightedPlate& plate : drive.plates) {
+      plate.world_from_plate = plate_measured_at(point, survey, plate.side, plate.world_from_plate);
+    }
+    const auto with =
+        explained(survey, std::move(drive), rig, stated_sigmas(rig), as_stated.excess);
+    if (!with || !is_better(*with, as_stated) || !fits_well(*with, as_stated.excess)) continue;
+    RigSuspect suspect{"", RigParameter::plate_point, 0, point.place.norm()};
+    suspect.shift.head<2>() = Eigen::Vector2d(point.place.x(), -point.place.y());
+    suspect.point = point.name;
+    take_if_sure(*with, suspect, survey.sigma, kOfParameter, result);
+  }
+}
+
+// Rigs, and plates of another size, attitude or point, that explain the rows much better than the
+// rig as stated.
 std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Stated& as_stated) {
   std::vector<Candidate> result;
   try_cameras(survey, rig, as_stated, result);
   try_focal_lengths(survey, rig, as_stated, result);
+  try_points(survey, rig, as_stated, result);
   for (const RigParameter parameter : kCommonToPlates) {
     try_plates(survey, rig, as_stated, parameter, result);
   }
@@ -394,9 +413,26 @@ std::string words_for_turned_plates(const RigSuspect& suspect) {
                      degrees(suspect.sigma), decimals_of(suspect));
 }
 
+// "172 mm to the left and 84 mm up"; with `sign` -1 the way back.
+std::string way_in_words(const Eigen::Vector3d& shift, double sign) {
+  const Eigen::Vector3d mm = 1000 * sign * shift;
+  std::vector<std::string> parts;
+  if (std::abs(mm.x()) >= 0.5) {
+    parts.push_back(
+        fmt::format("{:.0f} mm to the {}", std::abs(mm.x()), mm.x() > 0 ? "right" : "left"));
+  }
+  if (std::abs(mm.y()) >= 0.5) {
+    parts.push_back(fmt::format("{:.0f} mm {}", std::abs(mm.y()), mm.y() > 0 ? "up" : "down"));
+  }
+  return fmt::format("{}", fmt::join(parts, " and "));
+}
+
 // "left: alpha 40.00 +-0.01 degrees in place of 35.00"
 std::string words_for(const RigSuspect& suspect, const Rig& rig) {
   if (is_of_attitudes(suspect)) return words_for_turned_plates(suspect);
+  if (suspect.parameter == RigParameter::plate_point) {
+    return "plates that were surveyed at " + suspect.point + " in place of P";
+  }
   if (suspect.camera.empty()) {
     const bool is_size = suspect.parameter == RigParameter::plate_size;
     return fmt::format("{} {:.4f} +-{:.4f} times {}",
@@ -437,6 +473,12 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
 
 // "; if so, add -2.0 degrees to the `tilt` of these tags, ...": what the survey is to state.
 std::string remedy_of(const RigSuspect& suspect) {
+  if (suspect.parameter == RigParameter::plate_point) {
+    return "; if so, move every P by " + way_in_words(suspect.shift, -1) +
+           ", as seen by who faces the plate, or measure P, the "
+           "inner top left corner of its frame";
+  }
+  if (!is_of_attitudes(suspect)) return "";
   const double angle = degrees(suspect.expected);
   const std::string turn =
       suspect.parameter == RigParameter::plate_slope
@@ -503,11 +545,22 @@ bool one_plate_explains(const Survey& survey, const Rig& rig, const Stated& as_s
 }  // namespace
 
 bool is_of_plates(const RigSuspect& suspect) {
-  return suspect.parameter >= RigParameter::plate_size;
+  return suspect.parameter >= RigParameter::plate_point;
 }
 
 bool is_of_attitudes(const RigSuspect& suspect) {
   return suspect.parameter > RigParameter::plate_size;
+}
+
+bool is_of_hanging(const RigSuspect& suspect) {
+  return is_of_attitudes(suspect) || suspect.parameter == RigParameter::plate_point;
+}
+
+Survey with_plates_of(const RigSuspect& suspect, Survey survey) {
+  if (suspect.parameter != RigParameter::plate_point) {
+    return with_turned_plates(std::move(survey), suspect.parameter, suspect.expected);
+  }
+  return with_plates_measured_at(std::move(survey), {"", {suspect.shift.x(), -suspect.shift.y()}});
 }
 
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
@@ -536,17 +589,10 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
 }
 
 const char* to_string(RigParameter parameter) {
-  constexpr std::array kNames{"yaw",
-                              "pitch",
-                              "roll",
-                              "turn",
-                              "focal",
-                              "position",
-                              "plate_size",
-                              "plate_slope",
-                              "plate_tilt",
-                              "left_plate_tilt",
-                              "right_plate_tilt"};
+  constexpr std::array kNames{"yaw",         "pitch",           "roll",
+                              "turn",        "focal",           "position",
+                              "plate_point", "plate_size",      "plate_slope",
+                              "plate_tilt",  "left_plate_tilt", "right_plate_tilt"};
   static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::right_plate_tilt) + 1);
   return kNames[static_cast<std::size_t>(parameter)];
 }
@@ -566,7 +612,7 @@ std::string describe(const RigSuspicion& suspicion, const Rig& rig) {
                      by_rows ? fmt::format("({} as it is)", suspicion.rows_as_stated)
                      : is_of_plates(likeliest) ? "far better than the survey"
                                                : "far better than the rig",
-                     is_of_attitudes(likeliest) ? remedy_of(likeliest) : "");
+                     remedy_of(likeliest));
 }
 
 std::string doubt_in_words(const RigSuspicion& suspicion, const Rig& rig) {

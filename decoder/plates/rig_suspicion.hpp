@@ -23,21 +23,27 @@ const char* to_string(RigParameter parameter);
 struct RigSuspect {
   std::string camera;  // empty = the focal lengths of all cameras, or what plates have in common
   RigParameter parameter = RigParameter::yaw;
-  double stated = 0;  // radians; of focal lengths and plates' size 1, of a turn, a position and
-                      // plates' attitudes 0
+  double stated = 0;  // radians; of focal lengths and plates' size 1, of a turn, a position, the
+                      // plates' point and attitudes 0
   double expected = 0;
   double sigma = 0;  // of the expected value
   std::size_t rows_explained = 0;
   MountingAngles mounting{};  // expected, of a turn
   // Of a position: from the stated to the expected one, vehicle axes; metres, as expected and
-  // sigma.
+  // sigma. Of the plates' point: from P to the right and up, as seen by who faces the plate.
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  std::string point{};  // of the plates, in words
 };
 
-// True of the plates' size and of what turns them.
+// True of the plates' point, their size and what turns them.
 bool is_of_plates(const RigSuspect& suspect);
 // True of what turns them.
 bool is_of_attitudes(const RigSuspect& suspect);
+// True of what turns them and of their point: then the survey says otherwise how all of them hang.
+bool is_of_hanging(const RigSuspect& suspect);
+
+// The survey with its plates as the suspect has them; `suspect`: of how they hang.
+Survey with_plates_of(const RigSuspect& suspect, Survey survey);
 
 struct RigSuspicion {
   // Those that explain equally many rows, the likeliest first: the rows do not distinguish them.
@@ -50,13 +56,13 @@ struct RigSuspicion {
 };
 
 // Compares the rig as stated with rigs in which one value of one camera is another, or one camera
-// is turned about any axis or stands elsewhere, and with plates that are all of another size or
-// turned alike. A row is explained when all its tags fit. Plates are tilted by what the survey
-// states, or as single pictures show. A rig is suspected when another explains three rows and seven
-// in ten, twice as many as the rig as stated or all of them so much better that the plates'
-// tolerances would have to absorb the same in every row (odds of 270 000), and when that one
-// differs by four standard deviations and more from what the rig states; unless one plate that
-// hangs wrong explains them about as well.
+// is turned about any axis or stands elsewhere, and with plates that are all of another size,
+// turned alike, or measured at another point than P. A row is explained when all its tags fit.
+// Plates are tilted by what the survey states, or as single pictures show. A rig is suspected when
+// another explains three rows and seven in ten, twice as many as the rig as stated or all of them
+// so much better that the plates' tolerances would have to absorb the same in every row (odds of
+// 270 000), and when that one differs by four standard deviations and more from what the rig
+// states; unless one plate that hangs wrong explains them about as well.
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig);
 

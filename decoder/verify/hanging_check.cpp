@@ -322,11 +322,10 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
   hung.notes = unused.notes();
   for (const MixedStations& mixed : hung.mixed) hung.notes.push_back(in_words(mixed, setup.rig));
   if (auto words = untied_in_words(hung.untied)) hung.notes.push_back(std::move(*words));
-  if (!hung.turned.empty()) {
+  if (!hung.all_alike.empty()) {
     hung.notes.push_back(
-        "the plates' attitudes are in doubt, and each tag is compared with plates that are all "
-        "turned so: " +
-        hung.turned);
+        "the plates are in doubt, and each tag is compared with plates that all hang so: " +
+        hung.all_alike);
   }
   if (!hung.rig_doubt.empty()) {
     hung.notes.push_back("the rig is in doubt, and no tag was judged by where it hangs: " +

@@ -264,6 +264,6 @@ TEST_CASE("plates that all lean otherwise than surveyed adjust nothing, and are 
                    "--control 000L,000R,007L,007R");
   CHECK(output.exit_code == 1);
   CHECK(output.out.empty());
-  CHECK(output.err.find("the plates' attitudes are in doubt, and nothing was adjusted: plates of "
+  CHECK(output.err.find("the plates are in doubt, and nothing was adjusted: plates of "
                         "both walls that lean forward by 1.5") != std::string::npos);
 }

@@ -279,8 +279,13 @@ void try_lists(int drives, std::uint64_t seed) {
 
 std::string text_of(const fs::path& file) { return read_file(file).value(); }
 
+struct MistypedFile {
+  std::string text;
+  std::string what;  // was typed for what
+};
+
 // One number that is no comment and no part of a word, mistyped.
-Typed with_slip(const std::string& text, Draws& draws) {
+MistypedFile with_slip(const std::string& text, Draws& draws) {
   static const std::regex number("-?[0-9]+(\\.[0-9]+)?");
   std::vector<std::pair<std::size_t, std::size_t>> places;
   const auto part_of_word = [&](std::size_t i) {
@@ -296,9 +301,12 @@ Typed with_slip(const std::string& text, Draws& draws) {
     if (!comment && !word) places.emplace_back(from, length);
   }
   const auto [from, length] = places[draws.index(places.size())];
-  Typed typed = mistyped(text.substr(from, length), draws);
+  const Typed typed = mistyped(text.substr(from, length), draws);
+  const std::size_t line = text.rfind('\n', from) + 1;
+  const std::string what = fmt::format("{} | {} typed for {}", text.substr(line, from - line),
+                                       typed.text, text.substr(from, length));
   std::string whole = text;
-  return {typed.slip, whole.replace(from, length, typed.text)};
+  return {whole.replace(from, length, typed.text), what};
 }
 
 struct Files {
@@ -379,32 +387,52 @@ std::string with_slip_in_run(const std::string& run, Draws& draws) {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
-void try_files(int draws_wanted, std::uint64_t seed) {
-  std::vector<std::pair<std::string, Located>> found(static_cast<std::size_t>(draws_wanted));
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-    Draws draws(seed * 1'000'003 + i);
-    const std::string site = draws.chance(0.5) ? "corridor" : "curved";
-    const std::string folder = "surveys/" + site + "/";
-    Files files{text_of(folder + "survey.yaml"), text_of(folder + "rig.yaml"),
-                text_of(folder + "run.csv")};
-    const auto truths = truths_of(files.run);
-    const bool by_sheet = draws.chance(0.5);
-    if (by_sheet) files.rig = std::regex_replace(files.rig, std::regex(", sigma: 0 \\}"), " }");
-    const std::size_t which = draws.index(3);
-    if (which == 0) files.rig = with_slip(files.rig, draws).text;
-    if (which == 1) files.survey = with_slip(files.survey, draws).text;
-    if (which == 2) files.run = with_slip_in_run(files.run, draws);
-    const char* name = std::array{"rig", "survey", "run"}[which];
-    found[i] = {fmt::format("{}, rig {}", name, by_sheet ? "by data sheet" : "exact"),
-                locate(site, files, truths)};
-  });
+struct TriedFile {
+  std::string name;
+  std::string what;
+  Located outcome{};
+};
+
+TriedFile try_file(std::uint64_t seed) {
+  Draws draws(seed);
+  const std::string site = draws.chance(0.5) ? "corridor" : "curved";
+  const std::string folder = "surveys/" + site + "/";
+  Files files{text_of(folder + "survey.yaml"), text_of(folder + "rig.yaml"),
+              text_of(folder + "run.csv")};
+  const auto truths = truths_of(files.run);
+  const bool by_sheet = draws.chance(0.5);
+  if (by_sheet) files.rig = std::regex_replace(files.rig, std::regex(", sigma: 0 \\}"), " }");
+  const std::size_t which = draws.index(3);
+  TriedFile tried;
+  if (which == 2) {
+    files.run = with_slip_in_run(files.run, draws);
+  } else {
+    std::string& text = which == 0 ? files.rig : files.survey;
+    MistypedFile mistyped = with_slip(text, draws);
+    text = std::move(mistyped.text);
+    tried.what = site + ": " + mistyped.what;
+  }
+  tried.name = fmt::format("{}, rig {}", std::array{"rig", "survey", "run"}[which],
+                           by_sheet ? "by data sheet" : "exact");
+  tried.outcome = locate(site, files, truths);
+  return tried;
+}
+
+void try_files(int count, std::uint64_t seed) {
+  std::vector<TriedFile> tried(static_cast<std::size_t>(count));
+  tbb::parallel_for(std::size_t{0}, tried.size(),
+                    [&](std::size_t i) { tried[i] = try_file(seed * 1'000'003 + i); });
   std::map<std::string, std::array<int, located_kinds>> counts;
-  for (const auto& [name, outcome] : found) ++counts[name][outcome];
+  for (const TriedFile& file : tried) ++counts[file.name][file.outcome];
   fmt::print(
       "| mistyped in | refused | all positions right | some, right | none | some wrong, and exit "
       "code 1 | some wrong, silent |\n|---|---|---|---|---|---|---|\n");
-  for (const auto& [name, of_file] : counts)
+  for (const auto& [name, of_file] : counts) {
     fmt::print("| {} | {} |\n", name, fmt::join(of_file, " | "));
+  }
+  for (const TriedFile& file : tried) {
+    if (file.outcome >= wrong_told) fmt::print("wrong: {}\n", file.what);
+  }
 }
 
 }  // namespace

@@ -137,6 +137,11 @@ void turn_plates(Site& site, RigParameter how) {
   site.survey = with_turned_plates(std::move(site.survey), how, radians(2));
 }
 
+// The survey as it is has the positions of this point.
+void move_plates(Site& site, const MeasuredPoint& point) {
+  site.survey = with_plates_measured_at(std::move(site.survey), point);
+}
+
 void zoom(Site& site, std::size_t camera, double factor) {
   site.rig.cameras[camera].camera.fx *= factor;
   site.rig.cameras[camera].camera.fy *= factor;
@@ -174,7 +179,12 @@ std::vector<Mistake> mistakes() {
        RigParameter::plate_tilt},
       {"left wall leans by 2 degrees",
        [](Site& site, Draws&) { turn_plates(site, RigParameter::left_plate_tilt); }, "",
-       RigParameter::left_plate_tilt}};
+       RigParameter::left_plate_tilt},
+      {"plates surveyed at the plate's corner",
+       [](Site& site, Draws&) {
+         move_plates(site, points_besides_p(site.survey.tag_template).back());
+       },
+       "", RigParameter::plate_point}};
 }
 
 void print_suspicion(const Site& surveyed, const Mistake& mistake, int count, std::uint64_t seed) {

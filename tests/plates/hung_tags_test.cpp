@@ -526,7 +526,7 @@ TEST_CASE("on walls that lean, each plate is compared with plates that all lean 
   Corridor corridor;
   for (Pose& hung : corridor.hung) hung.rotation *= turned(radians(-3), Vector3d::UnitX());
   const HungTags leaning = check_hung_tags(corridor.survey, corridor.rig, corridor.seen());
-  CHECK(leaning.turned.find("plates of both walls that lean back by 3.0") != std::string::npos);
+  CHECK(leaning.all_alike.find("plates of both walls that lean back by 3.0") != std::string::npos);
   CHECK(leaning.rig_doubt.empty());
   for (const HungTag& tag : leaning.tags) {
     CAPTURE(tag.tag);

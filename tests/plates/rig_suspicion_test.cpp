@@ -156,6 +156,36 @@ TEST_CASE("plates that are all turned alike are told with the angle") {
   }
 }
 
+TEST_CASE("plates that were surveyed at another point than P are told with the point") {
+  const Survey hung = exact_corridor().survey;
+  for (const MeasuredPoint& point : points_besides_p(hung.tag_template)) {
+    CAPTURE(std::string(point.name));
+    Seen seen{exact_corridor(), {}};
+    Draws draws(23);
+    seen.rows = seen_from(seen.site, drive_past(seen.site, 12, draws), draws);
+    Survey listed = hung;
+    for (PlacedTag& tag : listed.tags) {
+      Pose& pose = tag.world_from_plate;
+      pose.translation += pose.rotation.leftCols<2>() * point.place;
+      tag.p_in_grid = grid_from_world(listed.grid, pose.translation);
+    }
+    for (Observation& row : seen.rows) {
+      for (SeenTag& tag : row.tags) tag.tag = *find_tag(listed, tag.tag.name);
+    }
+    const auto suspicion = suspect_rig(seen.rows, listed, seen.site.rig);
+    if (point.place.x() == 0) continue;  // all a little higher: only the vehicle's height shows it
+    REQUIRE(suspicion);
+    const RigSuspect& plates = suspicion->suspects[0];
+    CHECK(plates.parameter == RigParameter::plate_point);
+    CHECK(plates.point == point.name);
+    CHECK(plates.expected == doctest::Approx(point.place.norm()));
+    const Survey likely = with_plates_of(plates, listed);
+    for (std::size_t i = 0; i < hung.tags.size(); ++i) {
+      CHECK((likely.tags[i].p_in_grid - hung.tags[i].p_in_grid).norm() < 1e-9);
+    }
+  }
+}
+
 TEST_CASE("plates lean as the survey's tilt says, and rise with the drive") {
   const Survey stated = exact_corridor().survey;
   const Survey tilted = with_turned_plates(stated, RigParameter::plate_tilt, 0.1);
