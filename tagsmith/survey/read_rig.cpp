@@ -211,6 +211,14 @@ std::optional<RigRange> read_range(const YamlValue& value, const std::string& na
                                             ", expected more than min, " + format_number(*min) +
                                             " m");
   }
+  constexpr double kFine = 0.002;  // metres: finer than laser distance meters in the field
+  if (*sigma < kFine) {
+    map.at("sigma").warning("fine-range",
+                            fmt::format("sigma of range {} is {} mm, expected {} mm and more", name,
+                                        format_number(1000 * *sigma), 1000 * kFine),
+                            "the resolution of a sensor is no standard deviation: an ultrasonic "
+                            "distance is off by about 1 %, a laser's by 2 mm");
+  }
   return RigRange{name, *wall, *min, *max, *sigma};
 }
 

@@ -100,6 +100,7 @@ TEST_CASE("a rig that is only odd is warned about and kept") {
       {"through the vehicle", "yaw: 5, pitch: -2, position: [0.5, 0, 0.1]",
        "yaw: -50, position: [0.5, 0.8, 0.1]", "looks-across", 9},
       {"milliseconds", "exposure: 0.01", "exposure: 2", "long-exposure", 9},
+      {"a resolution", "max: 5.0, sigma: 0.01", "max: 5.0, sigma: 0.001", "fine-range", 11},
   };
   for (const Breakage& odd : warnings) {
     CAPTURE(odd.name);
