@@ -100,6 +100,7 @@ double unit_of(const RigSuspect& suspect, const Rig& rig) {
   switch (suspect.parameter) {
     case RigParameter::focal:
       return suspect.camera.empty() ? 1 : find_camera(rig, suspect.camera)->camera.fx;
+    case RigParameter::distortion:
     case RigParameter::position:
     case RigParameter::plate_point:
     case RigParameter::plate_size:

@@ -37,7 +37,8 @@ bool shows_tags_of(const Observation& row, const std::string& camera) {
   });
 }
 
-// Rows that can contradict it: that show several tags, one or more of them in its cameras.
+// Rows that can contradict it: that show several tags, one or more of them in its cameras. Without
+// parts of tags, which are not compared.
 std::vector<Observation> compared_rows(const std::vector<Observation>& rows,
                                        const Alteration& alteration) {
   constexpr std::size_t kMost = 40;
@@ -48,7 +49,9 @@ std::vector<Observation> compared_rows(const std::vector<Observation>& rows,
            (alteration.needs_all ? std::ranges::all_of(alteration.cameras, shows)
                                  : std::ranges::any_of(alteration.cameras, shows));
   });
-  return evenly_taken(std::move(chosen), kMost);
+  chosen = evenly_taken(std::move(chosen), kMost);
+  for (Observation& row : chosen) row.parts.clear();
+  return chosen;
 }
 
 // How many rows fit a place of the vehicle with all their tags, and how well.
@@ -76,7 +79,6 @@ std::vector<Observation> undone(std::vector<Observation> rows, const Alteration&
     for (SeenTag& seen : row.tags) {
       if (alteration.cameras.contains(seen.camera)) alteration.undo(seen);
     }
-    row.parts.clear();
   }
   return rows;
 }

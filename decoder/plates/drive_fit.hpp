@@ -40,9 +40,10 @@ using ParameterSigmas = std::array<double, kCalibrationCount>;
 std::vector<ParameterSigmas> stated_sigmas(const Rig& rig);
 
 // The standard deviation of a parameter of which nothing is known.
-inline constexpr double kFreePosition = 1;  // metres
-inline constexpr double kFreeAngle = 0.5;   // radians
-inline constexpr double kFreeFocal = 0.3;   // relative
+inline constexpr double kFreePosition = 1;    // metres
+inline constexpr double kFreeAngle = 0.5;     // radians
+inline constexpr double kFreeFocal = 0.3;     // relative
+inline constexpr double kFreeDistortion = 1;  // of its first coefficient
 
 // The attitude of a camera on the vehicle that most of its tags support, each by itself and with
 // the vehicle level and along the drive: the rig's, unless another has more.

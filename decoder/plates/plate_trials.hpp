@@ -21,6 +21,7 @@ enum class RigParameter {
   roll,
   turn,
   focal,
+  distortion,
   position,
   plate_point,
   plate_size,

@@ -32,11 +32,18 @@ struct Trial {
 };
 constexpr std::size_t kFirstAngle = 3;
 constexpr std::size_t kFocal = 6;
-constexpr std::array<Trial, 6> kTrials{{{3}, {4}, {5}, {kFocal}, {kFirstAngle, 3}, {0, 3}}};
+constexpr std::size_t kDistortion = 9;
+constexpr std::array<Trial, 7> kTrials{
+    {{3}, {4}, {5}, {kFocal}, {kDistortion}, {kFirstAngle, 3}, {0, 3}}};
 
 double free_sigma(std::size_t parameter) {
-  return parameter == kFocal ? kFreeFocal : parameter < kFirstAngle ? kFreePosition : kFreeAngle;
+  return parameter == kFocal        ? kFreeFocal
+         : parameter == kDistortion ? kFreeDistortion
+         : parameter < kFirstAngle  ? kFreePosition
+                                    : kFreeAngle;
 }
+
+bool is_of_lens(std::size_t parameter) { return parameter == kFocal || parameter == kDistortion; }
 
 std::size_t count_sightings(const Drive& drive) {
   std::size_t count = 0;
@@ -111,6 +118,7 @@ std::vector<ParameterSigmas> any_sigmas(const Rig& rig) {
   std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
   for (ParameterSigmas& camera : sigmas) {
     for (std::size_t i = 0; i <= kFocal; ++i) camera[i] = free_sigma(i);
+    camera[kDistortion] = free_sigma(kDistortion);
   }
   return sigmas;
 }
@@ -184,15 +192,25 @@ void take_shift(const RigCamera& stated, const RigCamera& fitted, const Eigen::M
   suspect.sigma = std::sqrt(suspect.shift.dot(covariance * suspect.shift)) / suspect.expected;
 }
 
+// Of a lens as stated and as fitted: the focal lengths relative to the stated ones, or the first
+// coefficient of the distortion.
+RigSuspect suspect_lens(const RigCamera& stated, const RigCamera& fitted, std::size_t parameter) {
+  if (parameter == kFocal) {
+    return {stated.name, RigParameter::focal, 1, fitted.camera.fx / stated.camera.fx};
+  }
+  return {stated.name, RigParameter::distortion, stated.camera.distortion[0],
+          fitted.camera.distortion[0]};
+}
+
 RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
                       const Explained& with) {
   const RigCamera& stated = rig.cameras[camera];
   const RigCamera& fitted = with.fit.rig.cameras[camera];
   const auto place = static_cast<Eigen::Index>(with.fit.layout.places[camera][trial.first]);
   const Eigen::MatrixXd& covariance = with.fit.adjustment.calibration_covariance;
-  RigSuspect suspect{stated.name, RigParameter::focal, 1, fitted.camera.fx / stated.camera.fx};
+  RigSuspect suspect = suspect_lens(stated, fitted, trial.first);
   suspect.sigma = std::sqrt(covariance(place, place));
-  if (trial.first == kFocal) return suspect;
+  if (is_of_lens(trial.first)) return suspect;
   if (trial.first < kFirstAngle) {
     take_shift(stated, fitted, covariance.block<3, 3>(place, place), suspect);
     return suspect;
@@ -215,7 +233,7 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
 Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::size_t camera,
               const Trial& trial) {
   Rig start = rig;
-  if (trial.first == kFocal || trial.first < kFirstAngle) return start;
+  if (is_of_lens(trial.first) || trial.first < kFirstAngle) return start;
   Pose& pose = start.cameras[camera].vehicle_from_camera;
   const MountingAngles stated = mounting_angles(pose);
   Pose likely = pose;
@@ -288,31 +306,36 @@ void try_cameras(const Survey& survey, const Rig& rig, const Stated& as_stated,
   }
 }
 
-// All cameras' focal lengths, each by itself: an image size or a unit that is wrong for all. Not
-// where one camera's alone explains as many rows.
-void try_focal_lengths(const Survey& survey, const Rig& rig, const Stated& as_stated,
-                       std::vector<Candidate>& result) {
+// All cameras' lenses, each by itself: an image size or a unit that is wrong for all, or lenses
+// whose distortion is not stated. Not where one camera's alone explains as many rows.
+void try_lenses(const Survey& survey, const Rig& rig, const Stated& as_stated,
+                std::size_t parameter, std::vector<Candidate>& result) {
   const std::vector<ParameterSigmas> stated = stated_sigmas(rig);
   std::vector<ParameterSigmas> sigmas = stated;
-  for (ParameterSigmas& camera : sigmas) camera[kFocal] = kFreeFocal;
+  for (ParameterSigmas& camera : sigmas) camera[parameter] = free_sigma(parameter);
   const auto with = explained(survey, *as_stated.drive, rig, sigmas, as_stated.excess);
   if (!with || !is_better(*with, as_stated)) return;
+  RigSuspect suspect = suspect_lens(rig.cameras.front(), rig.cameras.front(), parameter);
   const auto is_enough = [&](const Candidate& one) {
-    return one.suspect.parameter == RigParameter::focal && one.suspect.rows_explained >= with->rows;
+    return one.suspect.parameter == suspect.parameter && one.suspect.rows_explained >= with->rows;
   };
   if (std::ranges::any_of(result, is_enough)) return;
-  RigSuspect suspect{"", RigParameter::focal, 1, 0};
+  suspect.camera.clear();
+  suspect.expected = suspect.stated = 0;
   double stated_sigma = 0;
   double cameras = 0;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     if (!sees_anything(*as_stated.drive, i)) continue;
-    const auto place = static_cast<Eigen::Index>(with->fit.layout.places[i][kFocal]);
+    const auto place = static_cast<Eigen::Index>(with->fit.layout.places[i][parameter]);
     const double variance = with->fit.adjustment.calibration_covariance(place, place);
-    suspect.expected += with->fit.rig.cameras[i].camera.fx / rig.cameras[i].camera.fx;
+    const RigSuspect one = suspect_lens(rig.cameras[i], with->fit.rig.cameras[i], parameter);
+    suspect.stated += one.stated;
+    suspect.expected += one.expected;
     suspect.sigma = std::max(suspect.sigma, std::sqrt(variance));
-    stated_sigma = std::max(stated_sigma, stated[i][kFocal]);
+    stated_sigma = std::max(stated_sigma, stated[i][parameter]);
     ++cameras;
   }
+  suspect.stated /= cameras;
   suspect.expected /= cameras;
   take_if_sure(*with, suspect, stated_sigma, kOfParameter * (cameras - 1), result);
 }
@@ -373,7 +396,9 @@ void try_points(const Survey& survey, const Rig& rig, const Stated& as_stated,
 std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Stated& as_stated) {
   std::vector<Candidate> result;
   try_cameras(survey, rig, as_stated, result);
-  try_focal_lengths(survey, rig, as_stated, result);
+  for (const std::size_t parameter : {kFocal, kDistortion}) {
+    try_lenses(survey, rig, as_stated, parameter, result);
+  }
   try_points(survey, rig, as_stated, result);
   for (const RigParameter parameter : kCommonToPlates) {
     try_plates(survey, rig, as_stated, parameter, result);
@@ -433,6 +458,12 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
   if (suspect.parameter == RigParameter::plate_point) {
     return "plates that were surveyed at " + suspect.point + " in place of P";
   }
+  if (suspect.parameter == RigParameter::distortion) {
+    return fmt::format(
+        "{}: a first coefficient of distortion of {:.3f} +-{:.3f} in place of {:.3f}",
+        suspect.camera.empty() ? "the lenses of all cameras" : suspect.camera, suspect.expected,
+        std::max(0.001, suspect.sigma), suspect.stated);
+  }
   if (suspect.camera.empty()) {
     const bool is_size = suspect.parameter == RigParameter::plate_size;
     return fmt::format("{} {:.4f} +-{:.4f} times {}",
@@ -477,6 +508,9 @@ std::string remedy_of(const RigSuspect& suspect) {
     return "; if so, move every P by " + way_in_words(suspect.shift, -1) +
            ", as seen by who faces the plate, or measure P, the "
            "inner top left corner of its frame";
+  }
+  if (suspect.parameter == RigParameter::distortion) {
+    return "; a lens bends straight lines, and its calibration says how (`tagsmith calibrate`)";
   }
   if (!is_of_attitudes(suspect)) return "";
   const double angle = degrees(suspect.expected);
@@ -589,10 +623,19 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
 }
 
 const char* to_string(RigParameter parameter) {
-  constexpr std::array kNames{"yaw",         "pitch",           "roll",
-                              "turn",        "focal",           "position",
-                              "plate_point", "plate_size",      "plate_slope",
-                              "plate_tilt",  "left_plate_tilt", "right_plate_tilt"};
+  constexpr std::array kNames{"yaw",
+                              "pitch",
+                              "roll",
+                              "turn",
+                              "focal",
+                              "distortion",
+                              "position",
+                              "plate_point",
+                              "plate_size",
+                              "plate_slope",
+                              "plate_tilt",
+                              "left_plate_tilt",
+                              "right_plate_tilt"};
   static_assert(kNames.size() == static_cast<std::size_t>(RigParameter::right_plate_tilt) + 1);
   return kNames[static_cast<std::size_t>(parameter)];
 }

@@ -171,6 +171,11 @@ std::vector<Mistake> mistakes() {
        "left", RigParameter::position},
       {"right camera 6 cm elsewhere", [](Site& site, Draws& draws) { shift(site, 1, 0.06, draws); },
        "right", RigParameter::position},
+      {"all lenses bend by 1 % at the corners",
+       [](Site& site, Draws&) {
+         for (RigCamera& camera : site.rig.cameras) camera.camera.distortion[0] = -0.04;
+       },
+       "", RigParameter::distortion},
       {"plates along a slope of 2 degrees",
        [](Site& site, Draws&) { turn_plates(site, RigParameter::plate_slope); }, "",
        RigParameter::plate_slope},

@@ -103,6 +103,35 @@ TEST_CASE("focal lengths that are all wrong are told by their factor") {
   }
 }
 
+TEST_CASE("lenses that bend straight lines are told with the coefficient") {
+  for (const double k1 : {-0.3, -0.1, -0.03, 0.1}) {
+    CAPTURE(k1);
+    Seen seen{exact_corridor(), {}};
+    for (RigCamera& camera : seen.site.rig.cameras) camera.camera.distortion[0] = k1;
+    Draws draws(29);
+    seen.rows = seen_from(seen.site, drive_past(seen.site, 12, draws), draws);
+    const Rig straight = exact_corridor().rig;
+    const auto suspicion = suspect_rig(seen.rows, seen.site.survey, straight);
+    REQUIRE(suspicion);
+    const RigSuspect* all = suspect_named(*suspicion, "");
+    REQUIRE(all != nullptr);
+    CHECK(all->parameter == RigParameter::distortion);
+    CHECK(all->stated == 0);
+    CHECK(std::abs(all->expected - k1) < 4 * all->sigma + 0.002);
+    CHECK(all->sigma < 0.01);
+    CHECK(describe(*suspicion, straight).starts_with("the lenses of all cameras: "));
+  }
+  Seen seen{exact_corridor(), {}};
+  seen.site.rig.cameras[0].camera.distortion[0] = -0.1;
+  Draws draws(31);
+  seen.rows = seen_from(seen.site, drive_past(seen.site, 12, draws), draws);
+  const auto suspicion = suspect_rig(seen.rows, seen.site.survey, exact_corridor().rig);
+  REQUIRE(suspicion);
+  const RigSuspect* left = suspect_named(*suspicion, seen.site.rig.cameras[0].name);
+  REQUIRE(left != nullptr);
+  CHECK(left->parameter == RigParameter::distortion);
+}
+
 TEST_CASE("plates of another size than their template are told by their factor") {
   for (const double factor : {2.0 / 3, 0.96, 1.01, 1.25, 1.5}) {
     CAPTURE(factor);
