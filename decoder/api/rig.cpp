@@ -56,7 +56,7 @@ detail::RigCamera camera_from(const RigCamera& given) {
   camera.exposure = given.exposure;
   camera.calibration_sigma =
       given.sigma ? sigma_from(*given.sigma)
-                  : detail::usual_calibration(detail::IntrinsicsSource::numbers, given.model.width);
+                  : detail::usual_calibration(detail::IntrinsicsSource::numbers, camera.camera);
   if (!given.sigma) camera.assumed_sigma = "all of it";
   return camera;
 }

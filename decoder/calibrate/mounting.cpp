@@ -132,7 +132,7 @@ Matrix3d angles_by_turn(const Pose& vehicle_from_camera) {
 bool hold_worst(const DriveFit& fitted, Held& held) {
   constexpr double kAlike =
       1 + 1e-3;  // if two are equally well determined, the first, so that rounding does not decide
-  const CalibrationSigma by_hand = usual_calibration(IntrinsicsSource::numbers, 0);
+  const CalibrationSigma by_hand = usual_calibration(IntrinsicsSource::numbers, Camera{});
   double worst = 1;
   bool* to_hold = nullptr;
   for (std::size_t camera = 0; camera < held.size(); ++camera) {

@@ -16,7 +16,7 @@ namespace {
 // Why: docs/decisions/0014-camera-calibration.md.
 CalibrationSigma sigma_by_lens(int width) {
   CalibrationSigma sigma;
-  sigma.edge = usual_calibration(IntrinsicsSource::data_sheet, width).edge;
+  sigma.edge = usual_calibration(IntrinsicsSource::data_sheet, Camera{}).edge;
   sigma.focal = 0.1;
   sigma.center = 0.02 * width;
   sigma.radial = 0.05;

@@ -26,12 +26,19 @@ double usual_angle_sigma(const Survey& survey) {
   return follow ? usual_angle_sigma(survey.tunnel, survey.tag_template) : kUsualAngleSigma;
 }
 
-CalibrationSigma usual_calibration(IntrinsicsSource source, int image_width) {
+double radial_by_corners(double distortion, const Camera& camera) {
+  if (camera.fx <= 0 || camera.fy <= 0) return 0;
+  const double corner = std::hypot(camera.width / camera.fx, camera.height / camera.fy) / 2;
+  return distortion / (corner * corner);
+}
+
+CalibrationSigma usual_calibration(IntrinsicsSource source, const Camera& camera) {
   CalibrationSigma sigma{.position = 0.005, .angle = radians(0.5), .edge = 0.1};
   switch (source) {
     case IntrinsicsSource::data_sheet:
       sigma.focal = 0.02;
-      sigma.center = 0.01 * image_width;
+      sigma.center = 0.01 * camera.width;
+      sigma.radial = radial_by_corners(kUsualDistortion, camera);
       break;
     case IntrinsicsSource::numbers:
       sigma.focal = 0.002;

@@ -28,8 +28,15 @@ double usual_angle_sigma(const Survey& survey);
 // The source of a camera's focal length and principal point in a rig.
 enum class IntrinsicsSource { data_sheet, numbers, calibration_file };
 
+// How far a lens of a data sheet, which states no distortion, moves the image's corners, relative
+// to their distance from its centre: a standard deviation.
+inline constexpr double kUsualDistortion = 0.02;
+
+// CalibrationSigma::radial by how far the image's corners move, relative.
+double radial_by_corners(double distortion, const Camera& camera);
+
 // A camera that is mounted by hand and measured with a tape.
-CalibrationSigma usual_calibration(IntrinsicsSource source, int image_width);
+CalibrationSigma usual_calibration(IntrinsicsSource source, const Camera& camera);
 
 // Whether the survey's file states how well the tag is surveyed, and whether it does for every tag.
 bool states_sigma_of(const Survey& survey, const PlacedTag& tag);

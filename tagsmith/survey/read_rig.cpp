@@ -64,9 +64,11 @@ const char* source_text(IntrinsicsSource source) {
 // `sigma: 0` of a camera makes all its parts exact; no other number may replace all of them.
 void check_exact(const YamlValue& value) {
   if (!value.node->quoted && parse_number(value.node->text) == 0) return;
-  value.error("wrong-type",
-              value.name + " is `" + value.node->text.substr(0, 60) +
-                  "`, expected 0 (all exact), or a map with position, angle, focal, center, edge");
+  value.error(
+      "wrong-type",
+      value.name + " is `" + value.node->text.substr(0, 60) +
+          "`, expected 0 (all exact), or a map with position, angle, focal, center, distortion, "
+          "edge");
 }
 
 // The camera's `sigma`; for parts that are left out the usual values are assumed.
@@ -74,8 +76,8 @@ void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
   const YamlValue sigma = keys.at("sigma");
   if (sigma.is(YamlNode::Kind::scalar)) return check_exact(sigma);
   const IntrinsicsSource source = intrinsics_source(keys);
-  const CalibrationSigma usual = usual_calibration(source, camera.camera.width);
-  const MapReader map(sigma, {"position", "angle", "focal", "center", "edge"});
+  const CalibrationSigma usual = usual_calibration(source, camera.camera);
+  const MapReader map(sigma, {"position", "angle", "focal", "center", "distortion", "edge"});
   std::vector<std::string> unsaid;
   const auto part = [&](const char* key, double value, double most, const char* unit,
                         const std::string& words) {
@@ -92,6 +94,14 @@ void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
       .center =
           part("center", usual.center, 100, "pixels", format_number(usual.center) + " pixels"),
       .edge = edge};
+  // Who states how well the focal length is known has more than a data sheet.
+  const bool by_sheet = source == IntrinsicsSource::data_sheet && !map.has("focal");
+  const double distortion =
+      by_sheet || map.has("distortion")
+          ? part("distortion", kUsualDistortion, 0.5, "",
+                 format_number(100 * kUsualDistortion) + " % at the image's corners")
+          : 0;
+  camera.calibration_sigma.radial = radial_by_corners(distortion, camera.camera);
   camera.assumed_sigma = fmt::format("{}", fmt::join(unsaid, ", "));
   if (!map.has("focal") || !map.has("center")) camera.assumed_sigma += source_text(source);
 }

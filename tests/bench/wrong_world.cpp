@@ -492,8 +492,7 @@ std::vector<Site> drawn_sites() {
     for (PlacedTag& tag : site->survey.tags) tag.sigma = site->survey.sigma;
     site->survey.angle_sigma = kUsualAngleSigma;
     for (RigCamera& camera : site->rig.cameras) {
-      camera.calibration_sigma =
-          usual_calibration(IntrinsicsSource::data_sheet, camera.camera.width);
+      camera.calibration_sigma = usual_calibration(IntrinsicsSource::data_sheet, camera.camera);
     }
     sites.push_back(std::move(*site));
   }

@@ -317,7 +317,9 @@ TEST_CASE(
       "rig crawler does not state the whole sigma of camera left, right: edge 0.1 pixels, position "
       "5 mm, angle "
       "0.5 "
-      "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
+      "degrees, focal 2 %, center 12.8 pixels, distortion 2 % at the image's corners (by data "
+      "sheet) "
+      "assumed";
   const std::string shutter =
       "rig crawler states no readout and no delay of camera left, right: global shutters, "
       "triggered "

@@ -112,7 +112,7 @@ const Json& good_rig() {
         "distortion": [0.1, 0.1, 0.1, 0.1, 0.1], "yaw": 5.5, "pitch": -2.5, "roll": 0.5,
         "position": [0.5, 0.1, 0.1], "exposure": 0.01, "readout": 0.02, "delay": 0.01, "blur_px": 0.5, "focus": 1.5,
         "aperture_mm": 2.5, "model": "perspective",
-        "sigma": { "position": 0.001, "angle": 0.05, "focal": 0.001, "center": 0.5, "edge": 0.2 } },
+        "sigma": { "position": 0.001, "angle": 0.05, "focal": 0.001, "center": 0.5, "distortion": 0.001, "edge": 0.2 } },
       "rear": { "calibration": { "file": "none.yaml", "camera": "cam0" }, "model": "fisheye",
         "yaw": 180.5, "sigma": 0 } },
     "ranges": { "d": { "wall": "left", "min": 0.25, "max": 5.5, "sigma": 0.01 } },

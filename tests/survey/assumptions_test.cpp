@@ -45,6 +45,21 @@ std::string calibration_file() {
 
 }  // namespace
 
+TEST_CASE("the lens of a data sheet bends straight lines unless more is known of it") {
+  const double corner = std::hypot(4.8, 3.6) / 2 / 6.0;
+  const auto radial = [&](const std::string& intrinsics, const char* sigma) {
+    return camera_of(intrinsics, sigma).calibration_sigma.radial;
+  };
+  const double usual = 0.02 / (corner * corner);
+  CHECK(radial(kDataSheet, "") == Approx(usual));
+  CHECK(radial(kDataSheet, "{ position: 0.001 }") == Approx(usual));
+  CHECK(radial(kDataSheet, "{ distortion: 0.01 }") == Approx(usual / 2));
+  CHECK(radial(kDataSheet, "{ focal: 0.01 }") == 0);
+  CHECK(radial(kDataSheet, "0") == 0);
+  CHECK(radial(kNumbers, "") == 0);
+  CHECK(radial(kNumbers, "{ distortion: 0.01 }") > 0);
+}
+
 TEST_CASE("pixels by the rounded sizes of a data sheet are square, of the mean size") {
   const std::string rounded = replaced(kDataSheet, "[4.8, 3.6]", "[6.17, 4.55]");
   const double fx = 6.0 * 1280 / 6.17, fy = 6.0 * 960 / 4.55;
@@ -115,8 +130,8 @@ TEST_CASE("a camera without sigma is as uncertain as the source of its intrinsic
   };
   for (const Row& row :
        {Row{kDataSheet, 0.02, 12.8,
-            "edge 0.1 pixels, position 5 mm, angle 0.5 degrees, focal 2 %, center 12.8 pixels (by "
-            "data sheet)"},
+            "edge 0.1 pixels, position 5 mm, angle 0.5 degrees, focal 2 %, center 12.8 pixels, "
+            "distortion 2 % at the image's corners (by data sheet)"},
         Row{kNumbers, 0.002, 2,
             "edge 0.1 pixels, position 5 mm, angle 0.5 degrees, focal 0.2 %, center 2 pixels (by "
             "fx, fy, cx, cy)"},
