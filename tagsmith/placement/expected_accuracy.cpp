@@ -31,8 +31,9 @@ std::optional<Matrix3d> inverse_in_closed_form(const Matrix3d& matrix) {
 
 constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
 constexpr Eigen::Index kFixedParameters = 9;  // of a camera's calibration
+constexpr Eigen::Index kLensParameters = 10;  // and the distortion
 // And the vehicle's motion while a rolling shutter passes over the image, and until it is taken.
-constexpr Eigen::Index kCalibrationParameters = 21;
+constexpr Eigen::Index kCalibrationParameters = 22;
 constexpr Eigen::Index kPlateRows = 8;
 constexpr Eigen::Index kPlateParameters = 7;  // its place, its attitude, where its edges are seen
 
@@ -78,6 +79,7 @@ CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame&
         sigma.angle * point->by_mounting.rightCols<3>(),
         sigma.focal * point->by_intrinsics.leftCols<1>(),
         sigma.center * point->by_intrinsics.middleCols<2>(1),
+        sigma.radial * point->by_intrinsics.rightCols<1>(),
         point->by_motion * motion_sigmas(driven).asDiagonal(),
         point->by_delay * motion_sigmas(delayed).asDiagonal();
   }
@@ -171,8 +173,12 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
                                      std::span<const PlateSight> sights,
                                      const AccuracyOptions& options) {
   if (!sees_a_tag_twice(sights)) {
-    return has_rolling_shutter(rig) || has_delay(rig)
-               ? sum_of_cameras<kCalibrationParameters>(survey, rig, vehicle, sights, options)
+    const auto bends = [](const RigCamera& camera) { return camera.calibration_sigma.radial > 0; };
+    if (has_rolling_shutter(rig) || has_delay(rig)) {
+      return sum_of_cameras<kCalibrationParameters>(survey, rig, vehicle, sights, options);
+    }
+    return std::ranges::any_of(rig.cameras, bends)
+               ? sum_of_cameras<kLensParameters>(survey, rig, vehicle, sights, options)
                : sum_of_cameras<kFixedParameters>(survey, rig, vehicle, sights, options);
   }
   const Eigen::Index calibrated =
