@@ -211,7 +211,7 @@ std::string leave_out_altered(std::vector<Observation>& rows, const std::vector<
     cameras.insert(one.alteration.cameras.begin(), one.alteration.cameras.end());
     words.push_back(one.alteration.words);
   }
-  const std::string why = fmt::format("{}", fmt::join(words, "; or "));
+  std::string why = fmt::format("{}", fmt::join(words, "; or "));
   if (why.empty()) return {};
   for (Observation& row : rows) leave_out_pictures(row, cameras, why);
   return why;
