@@ -189,9 +189,10 @@ TEST_CASE("plates that were surveyed at another point than P are told with the p
   const Survey hung = exact_corridor().survey;
   for (const MeasuredPoint& point : points_besides_p(hung.tag_template)) {
     CAPTURE(std::string(point.name));
+    if (point.place.x() == 0) continue;  // straight below P: only the vehicle's height shows it
     Seen seen{exact_corridor(), {}};
     Draws draws(23);
-    seen.rows = seen_from(seen.site, drive_past(seen.site, 12, draws), draws);
+    seen.rows = seen_from(seen.site, drive_past(seen.site, 6, draws), draws);
     Survey listed = hung;
     for (PlacedTag& tag : listed.tags) {
       Pose& pose = tag.world_from_plate;
@@ -202,7 +203,6 @@ TEST_CASE("plates that were surveyed at another point than P are told with the p
       for (SeenTag& tag : row.tags) tag.tag = *find_tag(listed, tag.tag.name);
     }
     const auto suspicion = suspect_rig(seen.rows, listed, seen.site.rig);
-    if (point.place.x() == 0) continue;  // all a little higher: only the vehicle's height shows it
     REQUIRE(suspicion);
     const RigSuspect& plates = suspicion->suspects[0];
     CHECK(plates.parameter == RigParameter::plate_point);
