@@ -168,8 +168,8 @@ void warn_of_odd_lens(const MapReader& map, const YamlValue& stated, const Camer
                        ? "focal_length_mm and sensor_mm are in millimetres: 6 for 0.006 m"
                        : "focal lengths are in pixels here; so wide a lens needs model: fisheye");
   }
-  const double alike = map.has("sensor_mm") ? 0.05 : 0.01;  // of a data sheet see odd-pixels
-  if (std::abs(camera.fx / camera.fy - 1) > alike) {
+  constexpr double kAlike = 0.01;  // those of a data sheet: see odd-pixels
+  if (!map.has("sensor_mm") && std::abs(camera.fx / camera.fy - 1) > kAlike) {
     stated.warning("odd-focal-length",
                    name + ": focal lengths of " + format_number(camera.fx, 1) + " and " +
                        format_number(camera.fy, 1) + " pixels across and down",
