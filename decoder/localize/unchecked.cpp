@@ -8,6 +8,7 @@
 
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/geometry/covariance.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -21,10 +22,9 @@ constexpr double kShift = 1.0;  // metres, of a plate, a camera, a wall
 constexpr double kTurn = 1.0;   // radians, of a camera
 constexpr double kLean = 0.1;   // radians, of a plate against its wall
 constexpr double kWay = 0.1;  // metres, while a rolling shutter passes over an image: 3 m/s, 33 ms
-constexpr double kShare = 0.3;       // of a length: focal length, size of plates, spacing
-constexpr double kCenter = 100;      // pixels, of a principal point
-constexpr double kBent = 0.3;        // k1 of a lens
-constexpr double kNotSquare = 0.02;  // pixels' width by their height: readers of rigs warn of more
+constexpr double kShare = 0.3;   // of a length: focal length, size of plates, spacing
+constexpr double kCenter = 100;  // pixels, of a principal point
+constexpr double kBent = 0.3;    // k1 of a lens
 constexpr Index kLensMistakes = 5;
 // Standard deviations of the position that matter: five, minus one for the effect of noise.
 constexpr double kFarOff = 4;
@@ -131,13 +131,14 @@ Rows by_size(const SightedPlate& plate, const SightingRows& seen) {
   return rows;
 }
 
-// By the focal length (relative), the principal point, k1, and the focal length across alone.
+// By the focal length (relative), the principal point, k1, and the focal length across alone, of
+// which readers of rigs warn where it differs by more.
 Rows by_lens(const SightingRows& seen) {
   const Eigen::Vector4d gross(kShare, kCenter, kCenter, kBent);
   Rows rows(kSightingRows, kLensMistakes);
   rows.leftCols<4>() = seen.by_calibration.middleCols<4>(6) * gross.asDiagonal();
   for (Index row = 0; row < kSightingRows; ++row) {
-    rows(row, 4) = row % 2 == 0 ? kNotSquare * seen.by_calibration(row, 6) : 0;
+    rows(row, 4) = row % 2 == 0 ? kSquarePixels * seen.by_calibration(row, 6) : 0;
   }
   return rows;
 }

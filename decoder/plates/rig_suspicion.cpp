@@ -45,6 +45,10 @@ double free_sigma(std::size_t parameter) {
 
 bool is_of_lens(std::size_t parameter) { return parameter == kFocal || parameter == kDistortion; }
 
+RigParameter parameter_of_lens(std::size_t parameter) {
+  return parameter == kFocal ? RigParameter::focal : RigParameter::distortion;
+}
+
 std::size_t count_sightings(const Drive& drive) {
   std::size_t count = 0;
   for (const Station& station : drive.stations) count += station.sightings.size();
@@ -195,11 +199,11 @@ void take_shift(const RigCamera& stated, const RigCamera& fitted, const Eigen::M
 // Of a lens as stated and as fitted: the focal lengths relative to the stated ones, or the first
 // coefficient of the distortion.
 RigSuspect suspect_lens(const RigCamera& stated, const RigCamera& fitted, std::size_t parameter) {
-  if (parameter == kFocal) {
-    return {stated.name, RigParameter::focal, 1, fitted.camera.fx / stated.camera.fx};
-  }
-  return {stated.name, RigParameter::distortion, stated.camera.distortion[0],
-          fitted.camera.distortion[0]};
+  RigSuspect suspect{stated.name, parameter_of_lens(parameter)};
+  const bool is_focal = parameter == kFocal;
+  suspect.stated = is_focal ? 1 : stated.camera.distortion[0];
+  suspect.expected = is_focal ? fitted.camera.fx / stated.camera.fx : fitted.camera.distortion[0];
+  return suspect;
 }
 
 RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
@@ -315,13 +319,11 @@ void try_lenses(const Survey& survey, const Rig& rig, const Stated& as_stated,
   for (ParameterSigmas& camera : sigmas) camera[parameter] = free_sigma(parameter);
   const auto with = explained(survey, *as_stated.drive, rig, sigmas, as_stated.excess);
   if (!with || !is_better(*with, as_stated)) return;
-  RigSuspect suspect = suspect_lens(rig.cameras.front(), rig.cameras.front(), parameter);
+  RigSuspect suspect{"", parameter_of_lens(parameter)};
   const auto is_enough = [&](const Candidate& one) {
     return one.suspect.parameter == suspect.parameter && one.suspect.rows_explained >= with->rows;
   };
   if (std::ranges::any_of(result, is_enough)) return;
-  suspect.camera.clear();
-  suspect.expected = suspect.stated = 0;
   double stated_sigma = 0;
   double cameras = 0;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {

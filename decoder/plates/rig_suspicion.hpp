@@ -21,10 +21,10 @@ const char* to_string(RigParameter parameter);
 // A single value of the rig, or a camera's turn about any axis or its place, that would explain
 // what the tags show.
 struct RigSuspect {
-  std::string camera;  // empty = the focal lengths of all cameras, or what plates have in common
+  std::string camera;  // empty = the lenses of all cameras, or what plates have in common
   RigParameter parameter = RigParameter::yaw;
-  double stated = 0;  // radians; of focal lengths and plates' size 1, of a turn, a position, the
-                      // plates' point and attitudes 0
+  double stated = 0;  // radians; of focal lengths and plates' size 1, of a distortion its first
+                      // coefficient, of a turn, a position, the plates' point and attitudes 0
   double expected = 0;
   double sigma = 0;  // of the expected value
   std::size_t rows_explained = 0;
@@ -55,14 +55,14 @@ struct RigSuspicion {
   bool by_one_camera = false;
 };
 
-// Compares the rig as stated with rigs in which one value of one camera is another, or one camera
-// is turned about any axis or stands elsewhere, and with plates that are all of another size,
-// turned alike, or measured at another point than P. A row is explained when all its tags fit.
-// Plates are tilted by what the survey states, or as single pictures show. A rig is suspected when
-// another explains three rows and seven in ten, twice as many as the rig as stated or all of them
-// so much better that the plates' tolerances would have to absorb the same in every row (odds of
-// 270 000), and when that one differs by four standard deviations and more from what the rig
-// states; unless one plate that hangs wrong explains them about as well.
+// Compares the rig as stated with rigs in which one value of one camera is another, or the lenses
+// of all are, or one camera is turned about any axis or stands elsewhere, and with plates that are
+// all of another size, turned alike, or measured at another point than P. A row is explained when
+// all its tags fit. Plates are tilted by what the survey states, or as single pictures show. A rig
+// is suspected when another explains three rows and seven in ten, twice as many as the rig as
+// stated or all of them so much better that the plates' tolerances would have to absorb the same in
+// every row (odds of 270 000), and when that one differs by four standard deviations and more from
+// what the rig states; unless one plate that hangs wrong explains them about as well.
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig);
 

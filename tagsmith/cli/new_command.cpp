@@ -282,27 +282,27 @@ void hold_width(Tunnel& tunnel, double width) {
 }
 
 // The tunnel through the points, beside which walls are added where --width says so.
+Result<TunnelFit> fit_points(const NewOptions& options, const TunnelFitOptions& fitted,
+                             const SurveyDraft& draft, std::vector<SurveyedPoint>& points) {
+  if (options.width) {
+    if (auto added = add_walls_beside(points, draft.grid, *options.width); !added) {
+      return fail(added);
+    }
+  }
+  return fit_tunnel(points, draft.grid, draft.tag, fitted);
+}
+
 Result<void> fit_draft(const NewOptions& options, const TunnelFitOptions& fitted,
                        std::vector<SurveyedPoint> points, SurveyDraft& draft) {
-  const auto with_walls =
-      [&](std::vector<SurveyedPoint> some) -> Result<std::vector<SurveyedPoint>> {
-    if (!options.width) return some;
-    if (auto added = add_walls_beside(some, draft.grid, *options.width); !added) return fail(added);
-    return some;
-  };
-  const auto fit_of = [&](const std::vector<SurveyedPoint>& some) -> Result<TunnelFit> {
-    const auto walled = with_walls(some);
-    if (!walled) return fail(walled);
-    return fit_tunnel(*walled, draft.grid, draft.tag, fitted);
-  };
   FindingLog log(options.points);
+  const auto fit_of = [&](std::vector<SurveyedPoint> others) {
+    return fit_points(options, fitted, draft, others);
+  };
   check_far_points(points, draft.grid, fit_of, log);
   if (log.has_errors()) return fail(to_string(log.sorted(), true));
-  auto walled = with_walls(std::move(points));
-  if (!walled) return fail(options.points + ": " + walled.error().message);
-  draft.points = std::move(*walled);
-  Result<TunnelFit> fit = fit_tunnel(draft.points, draft.grid, draft.tag, fitted);
+  Result<TunnelFit> fit = fit_points(options, fitted, draft, points);
   if (!fit) return fail(options.points + ": " + fit.error().message);
+  draft.points = std::move(points);
   draft.fit = std::move(*fit);
   if (options.width) hold_width(draft.fit.tunnel, *options.width);
   return {};

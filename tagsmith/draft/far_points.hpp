@@ -11,7 +11,7 @@
 
 namespace tagsmith::detail {
 
-using FitOfPoints = std::function<Result<TunnelFit>(const std::vector<SurveyedPoint>&)>;
+using FitOfPoints = std::function<Result<TunnelFit>(std::vector<SurveyedPoint>)>;
 
 // Logs an error for each of up to three points that have no other point within three times the
 // usual step of the list and two metres, where the others fit a tunnel (`fit`) and this one lies

@@ -28,6 +28,10 @@ double usual_angle_sigma(const Survey& survey);
 // The source of a camera's focal length and principal point in a rig.
 enum class IntrinsicsSource { data_sheet, numbers, calibration_file };
 
+// Pixels whose sides differ by at most this share are square: data sheets round the sensor's sizes,
+// or state those of its type (6.17 x 4.55 mm for pictures of 4:3).
+inline constexpr double kSquarePixels = 0.02;
+
 // How far a lens of a data sheet, which states no distortion, moves the image's corners, relative
 // to their distance from its centre: a standard deviation.
 inline constexpr double kUsualDistortion = 0.02;

@@ -13,10 +13,6 @@
 
 namespace tagsmith::detail {
 
-// Pixels whose sides differ by at most this share are square: data sheets round the sensor's sizes,
-// or state those of its type (6.17 x 4.55 mm for pictures of 4:3).
-inline constexpr double kSquarePixels = 0.02;
-
 // The keys of a camera that these functions read.
 std::vector<std::string> intrinsics_keys();
 

@@ -245,7 +245,7 @@ std::vector<Mistake> mistakes() {
       {"pixels of all cameras not square",
        {lens, all_lenses},
        [](const Site&, World& w, Draws& d) {
-         const double factor = 1 + between(d, 0.002, 0.02);  // readers of rigs warn of more
+         const double factor = 1 + between(d, 0.002, kSquarePixels);
          for (RigCamera& c : w.rig.cameras) c.camera.fx *= factor;
        }},
       {"image centre of one camera",

@@ -678,17 +678,22 @@ TEST_CASE("rough rock is refused with its scatter and the tolerance that takes i
   }
 }
 
+// The list is refused by this rule at the line of its point `index`.
+void check_refused_at(const PointWriter& points, std::size_t index, const std::string& rule) {
+  const TemporaryFolder folder;
+  const ProgramOutput refused = draft(folder.path(), points.text("PENZD"), "--order PENZD");
+  CHECK(refused.exit_code == 2);
+  const std::string place = fmt::format("points.csv:{}: error: ", index + 1);
+  CHECK_MESSAGE(refused.err.find(place) != std::string::npos, refused.err);
+  CHECK(refused.err.find("[" + rule + "]") != std::string::npos);
+}
+
 TEST_CASE("one point with east and north exchanged is named, whatever it is") {
   for (const std::size_t index : {0U, 30U, 50U, 61U, 65U}) {
     CAPTURE(index);
-    const TemporaryFolder folder;
     PointWriter points = surveyed_drift(0.003);
     std::swap(points.points[index].p.x(), points.points[index].p.y());
-    const ProgramOutput refused = draft(folder.path(), points.text("PENZD"), "--order PENZD");
-    CHECK(refused.exit_code == 2);
-    const std::string place = fmt::format("points.csv:{}: error: ", index + 1);
-    CHECK_MESSAGE(refused.err.find(place) != std::string::npos, refused.err);
-    CHECK(refused.err.find("[exchanged-axes]") != std::string::npos);
+    check_refused_at(points, index, "exchanged-axes");
   }
 }
 
@@ -698,14 +703,9 @@ TEST_CASE("one point with a mistyped digit far from the others is named, whateve
          {Eigen::Vector3d(90, 0, 0), Eigen::Vector3d(0, -20'000, 0), Eigen::Vector3d(0, 0, 2000)}) {
       CAPTURE(index);
       CAPTURE(slip.transpose());
-      const TemporaryFolder folder;
       PointWriter points = surveyed_drift(0.003);
       points.points[index].p += slip;
-      const ProgramOutput refused = draft(folder.path(), points.text("PENZD"), "--order PENZD");
-      CHECK(refused.exit_code == 2);
-      const std::string named = fmt::format("points.csv:{}: error: ", index + 1);
-      CHECK_MESSAGE(refused.err.find(named) != std::string::npos, refused.err);
-      CHECK(refused.err.find("[far-point]") != std::string::npos);
+      check_refused_at(points, index, "far-point");
     }
   }
 }
