@@ -9,8 +9,21 @@
 
 namespace tagsmith::detail {
 
+namespace {
+
+// True when the arc between two starts, of less than half a turn, has no place abreast of the
+// point: the nearest one is then an end, which is known without an angle.
+bool is_nearest_at_an_end(const CenterlineElement& arc, const Eigen::Vector2d& from_start,
+                          const Eigen::Vector2d& along_start, const Eigen::Vector2d& from_end,
+                          const Eigen::Vector2d& along_end) {
+  if (arc.curvature == 0 || std::abs(arc.curvature) * arc.length >= std::numbers::pi) return false;
+  return from_start.dot(along_start) < 0 || from_end.dot(along_end) > 0;
+}
+
+}  // namespace
+
 Centerline::Start::Start(const CenterlinePoint& at)
-    : point(at), along(direction_of(at.heading)), right(right_of(at.heading)) {}
+    : point(at), along(direction_of(at.heading)), right(along.y(), -along.x(), 0.0) {}
 
 CenterlinePoint Centerline::advance(const Start& start, const CenterlineElement& element,
                                     double distance) {
@@ -104,7 +117,16 @@ CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
     if (across.norm() >= least - 1e-12) return;
     least = across.norm();
     nearest.chainage = chainage_at_start + length;
-    nearest.offset = across.dot(right_of(foot.heading).head<2>());
+    const bool is_straight = element.curvature == 0;
+    const Eigen::Vector3d right = is_straight ? start.right : right_of(foot.heading);
+    nearest.offset = across.dot(right.head<2>());
+  };
+  const auto consider_start = [&](std::size_t i) {
+    const Eigen::Vector2d across = point - starts_[i].point.position.head<2>();
+    if (across.norm() >= least - 1e-12) return;
+    least = across.norm();
+    nearest.chainage = chainages_[i];
+    nearest.offset = across.dot(starts_[i].right.head<2>());
   };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (elements_.empty()) return nearest;
@@ -115,7 +137,17 @@ CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
     const double away = (point - starts_[i].point.position.head<2>()).norm();
     const double clear = chainages_[i] + std::max(0.0, away - std::min(least, bound));
     const std::size_t next = element_at(clear);
-    if (next == i) consider(starts_[i], elements_[i], chainages_[i], 0, elements_[i].length);
+    if (next == i) {
+      const Start& end = starts_[i + 1];
+      if (is_nearest_at_an_end(elements_[i], point - starts_[i].point.position.head<2>(),
+                               starts_[i].along.head<2>(), point - end.point.position.head<2>(),
+                               end.along.head<2>())) {
+        consider_start(i);
+        consider_start(i + 1);
+      } else {
+        consider(starts_[i], elements_[i], chainages_[i], 0, elements_[i].length);
+      }
+    }
     i = std::max(next, i + 1);
   }
   consider(starts_.back(), {1, 0, 0}, length_, 0, kInfinity);
