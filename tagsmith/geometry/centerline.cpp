@@ -109,24 +109,26 @@ double Centerline::distance_to_a_start(const Eigen::Vector2d& point) const {
 CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
   CenterlineAddress nearest;
   double least = std::numeric_limits<double>::infinity();
+  const auto from_start = [&](std::size_t i) -> Eigen::Vector2d {
+    return point - starts_[i].point.position.head<2>();
+  };
+  const auto is_nearer = [&](const Eigen::Vector2d& across) {
+    if (across.norm() >= least - 1e-12) return false;
+    least = across.norm();
+    return true;
+  };
+  const auto consider_start = [&](std::size_t i, const Eigen::Vector2d& across) {
+    if (is_nearer(across)) nearest = {chainages_[i], across.dot(starts_[i].right.head<2>())};
+  };
   const auto consider = [&](const Start& start, const CenterlineElement& element,
                             double chainage_at_start, double low, double high) {
     const double length = nearest_length(start, element, point, low, high);
     const CenterlinePoint foot = advance(start, element, length);
     const Eigen::Vector2d across = point - foot.position.head<2>();
-    if (across.norm() >= least - 1e-12) return;
-    least = across.norm();
-    nearest.chainage = chainage_at_start + length;
+    if (!is_nearer(across)) return;
     const bool is_straight = element.curvature == 0;
     const Eigen::Vector3d right = is_straight ? start.right : right_of(foot.heading);
-    nearest.offset = across.dot(right.head<2>());
-  };
-  const auto consider_start = [&](std::size_t i) {
-    const Eigen::Vector2d across = point - starts_[i].point.position.head<2>();
-    if (across.norm() >= least - 1e-12) return;
-    least = across.norm();
-    nearest.chainage = chainages_[i];
-    nearest.offset = across.dot(starts_[i].right.head<2>());
+    nearest = {chainage_at_start + length, across.dot(right.head<2>())};
   };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (elements_.empty()) return nearest;
@@ -134,16 +136,15 @@ CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
   const double bound = distance_to_a_start(point);
   for (std::size_t i = 0; i < elements_.size();) {
     // No place nears the point by more than the chainage between them: up to here none is nearer.
-    const double away = (point - starts_[i].point.position.head<2>()).norm();
-    const double clear = chainages_[i] + std::max(0.0, away - std::min(least, bound));
+    const Eigen::Vector2d before = from_start(i);
+    const double clear = chainages_[i] + std::max(0.0, before.norm() - std::min(least, bound));
     const std::size_t next = element_at(clear);
     if (next == i) {
-      const Start& end = starts_[i + 1];
-      if (is_nearest_at_an_end(elements_[i], point - starts_[i].point.position.head<2>(),
-                               starts_[i].along.head<2>(), point - end.point.position.head<2>(),
-                               end.along.head<2>())) {
-        consider_start(i);
-        consider_start(i + 1);
+      const Eigen::Vector2d beyond = from_start(i + 1);
+      if (is_nearest_at_an_end(elements_[i], before, starts_[i].along.head<2>(), beyond,
+                               starts_[i + 1].along.head<2>())) {
+        consider_start(i, before);
+        consider_start(i + 1, beyond);
       } else {
         consider(starts_[i], elements_[i], chainages_[i], 0, elements_[i].length);
       }
