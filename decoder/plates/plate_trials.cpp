@@ -17,19 +17,6 @@ Pose turned(Pose plate, double angle, const Eigen::Vector3d& axis) {
 
 }  // namespace
 
-std::vector<MeasuredPoint> points_besides_p(const TagTemplate& tag) {
-  const double length = tag.frame_inner_length, height = tag.frame_inner_height;
-  const double stroke = tag.frame_stroke;
-  const Eigen::Vector2d corner_of_plate((length - tag.plate_length) / 2 - tag.frame_offset_right,
-                                        (height - tag.plate_height) / 2 + tag.frame_offset_up);
-  return {{"the frame's middle", {length / 2, height / 2}},
-          {"the frame's top right corner", {length, 0}},
-          {"the frame's bottom left corner", {0, height}},
-          {"the frame's bottom right corner", {length, height}},
-          {"the frame's outer top left corner", {-stroke, -stroke}},
-          {"the plate's top left corner", corner_of_plate}};
-}
-
 Pose plate_measured_at(const MeasuredPoint& point, const Survey& survey, Side side,
                        const Pose& listed) {
   constexpr int kRounds = 4;  // where walls bend

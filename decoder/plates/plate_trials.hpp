@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "decoder/plates/drive_fit.hpp"
+#include "tagsmith/survey/measured_point.hpp"
 
 namespace tagsmith::detail {
 
@@ -30,15 +31,6 @@ enum class RigParameter {
   left_plate_tilt,
   right_plate_tilt,
 };
-
-// A point of a plate: from P to the right and down as seen by who faces the plate, metres.
-struct MeasuredPoint {
-  const char* name = "";
-  Eigen::Vector2d place{0, 0};
-};
-
-// Points that a surveyor may measure in place of P, the inner top left corner of the frame.
-std::vector<MeasuredPoint> points_besides_p(const TagTemplate& tag);
 
 // Where a plate hangs if the place that the survey has for its P is that of this point; turned
 // against its wall as the survey has it.

@@ -388,7 +388,7 @@ void try_points(const Survey& survey, const Rig& rig, const Stated& as_stated,
     if (!with || !is_better(*with, as_stated) || !fits_well(*with, as_stated.excess)) continue;
     RigSuspect suspect{"", RigParameter::plate_point, 0, point.place.norm()};
     suspect.shift.head<2>() = Eigen::Vector2d(point.place.x(), -point.place.y());
-    suspect.point = point.name;
+    suspect.point = point;
     take_if_sure(*with, suspect, survey.sigma, kOfParameter, result);
   }
 }
@@ -440,9 +440,9 @@ std::string words_for_turned_plates(const RigSuspect& suspect) {
                      degrees(suspect.sigma), decimals_of(suspect));
 }
 
-// "172 mm to the left and 84 mm up"; with `sign` -1 the way back.
-std::string way_in_words(const Eigen::Vector3d& shift, double sign) {
-  const Eigen::Vector3d mm = 1000 * sign * shift;
+// "172 mm to the left and 84 mm up": the way back.
+std::string way_in_words(const Eigen::Vector3d& shift) {
+  const Eigen::Vector3d mm = -1000 * shift;
   std::vector<std::string> parts;
   if (std::abs(mm.x()) >= 0.5) {
     parts.push_back(
@@ -458,7 +458,7 @@ std::string way_in_words(const Eigen::Vector3d& shift, double sign) {
 std::string words_for(const RigSuspect& suspect, const Rig& rig) {
   if (is_of_attitudes(suspect)) return words_for_turned_plates(suspect);
   if (suspect.parameter == RigParameter::plate_point) {
-    return "plates that were surveyed at " + suspect.point + " in place of P";
+    return fmt::format("plates that were surveyed at {} in place of P", suspect.point.name);
   }
   if (suspect.parameter == RigParameter::distortion) {
     return fmt::format(
@@ -507,9 +507,10 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
 // "; if so, add -2.0 degrees to the `tilt` of these tags, ...": what the survey is to state.
 std::string remedy_of(const RigSuspect& suspect) {
   if (suspect.parameter == RigParameter::plate_point) {
-    return "; if so, move every P by " + way_in_words(suspect.shift, -1) +
-           ", as seen by who faces the plate, or measure P, the "
-           "inner top left corner of its frame";
+    return fmt::format(
+        "; if so, move every P by {}, as seen by who faces the plate (`tagsmith new --from` does "
+        "it: --point {}), or measure P, the inner top left corner of its frame",
+        way_in_words(suspect.shift), suspect.point.option);
   }
   if (suspect.parameter == RigParameter::distortion) {
     return "; a lens bends straight lines, and its calibration says how (`tagsmith calibrate`)";
@@ -596,7 +597,7 @@ Survey with_plates_of(const RigSuspect& suspect, Survey survey) {
   if (suspect.parameter != RigParameter::plate_point) {
     return with_turned_plates(std::move(survey), suspect.parameter, suspect.expected);
   }
-  return with_plates_measured_at(std::move(survey), {"", {suspect.shift.x(), -suspect.shift.y()}});
+  return with_plates_measured_at(std::move(survey), suspect.point);
 }
 
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,

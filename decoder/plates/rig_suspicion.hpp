@@ -32,7 +32,7 @@ struct RigSuspect {
   // Of a position: from the stated to the expected one, vehicle axes; metres, as expected and
   // sigma. Of the plates' point: from P to the right and up, as seen by who faces the plate.
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-  std::string point{};  // of the plates, in words
+  MeasuredPoint point{};  // of the plates
 };
 
 // True of the plates' point, their size and what turns them.

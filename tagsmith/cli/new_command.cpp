@@ -23,8 +23,10 @@
 #include "tagsmith/draft/far_points.hpp"
 #include "tagsmith/draft/fit_tunnel.hpp"
 #include "tagsmith/draft/length_units.hpp"
+#include "tagsmith/draft/move_to_p.hpp"
 #include "tagsmith/draft/point_list.hpp"
 #include "tagsmith/draft/walls_beside.hpp"
+#include "tagsmith/survey/measured_point.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 
@@ -41,6 +43,7 @@ struct NewOptions {
   std::string x_axis;
   std::string check_digit;
   std::string walls = "parallel";
+  std::string point = "P";  // of each plate, that was measured
   double tolerance_mm = 30;
   std::optional<double> mount_height;
   std::optional<double> tunnel_height;
@@ -186,6 +189,9 @@ Result<void> check_options(const NewOptions& options, const PointList& list) {
   if (options.tunnel_height && has_roof) {
     return fail("--tunnel-height is for lists that do not say the roof (RF): leave it out");
   }
+  if (options.point != "P" && !any(is_tag)) {
+    return fail("--point is for lists with tags, and this one has none: leave it out");
+  }
   if (!list.survey) return {};
   for (const Said& said :
        {Said{"--x-axis", options.x_axis, list.survey->grid.x_axis_left ? "left" : "right"},
@@ -292,6 +298,14 @@ Result<TunnelFit> fit_points(const NewOptions& options, const TunnelFitOptions& 
   return fit_tunnel(points, draft.grid, draft.tag, fitted);
 }
 
+// The point of the plates that was measured in place of P; nothing where it was P.
+std::optional<MeasuredPoint> measured_point(const NewOptions& options, const TagTemplate& tag) {
+  for (const MeasuredPoint& point : points_besides_p(tag)) {
+    if (point.option == options.point) return point;
+  }
+  return std::nullopt;
+}
+
 Result<void> fit_draft(const NewOptions& options, const TunnelFitOptions& fitted,
                        std::vector<SurveyedPoint> points, SurveyDraft& draft) {
   FindingLog log(options.points);
@@ -302,6 +316,11 @@ Result<void> fit_draft(const NewOptions& options, const TunnelFitOptions& fitted
   if (log.has_errors()) return fail(to_string(log.sorted(), true));
   Result<TunnelFit> fit = fit_points(options, fitted, draft, points);
   if (!fit) return fail(options.points + ": " + fit.error().message);
+  if (const auto point = measured_point(options, draft.tag)) {
+    move_to_p(points, *point, draft.grid, fit->tunnel, draft.tag);
+    fit = fit_tunnel(points, draft.grid, draft.tag, fitted);
+    if (!fit) return fail(options.points + ": " + fit.error().message);
+  }
   draft.points = std::move(points);
   draft.fit = std::move(*fit);
   if (options.width) hold_width(draft.fit.tunnel, *options.width);
@@ -581,11 +600,20 @@ std::vector<CommandOption> list_options(NewOptions& options) {
           "else m)")};
 }
 
+std::vector<std::string> point_choices() {
+  std::vector<std::string> choices{"P"};
+  for (const MeasuredPoint& point : points_besides_p({})) choices.emplace_back(point.option);
+  return choices;
+}
+
 // The options that shape a draft from points.
 std::vector<CommandOption> draft_options(NewOptions& options) {
   std::vector<CommandOption> draft = joined(
       {list_options(options),
        {value_option("--template", &options.template_name, "NAME", "Plate (default: tag-400x300)"),
+        choice_option("--point", &options.point, point_choices(),
+                      "Where tags were measured: P (default), the frame's middle, another inner "
+                      "corner of it, its outer top left corner, or the plate's top left corner"),
         choice_option("--x-axis", &options.x_axis, {"right", "left"},
                       "right (default) or left of +y seen from above, where the grid's x grows"),
         choice_option("--check-digit", &options.check_digit, {"gs1", "sum10"},

@@ -17,6 +17,7 @@
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/draft/fit_plan.hpp"
+#include "tagsmith/draft/move_to_p.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/survey/assumptions.hpp"
@@ -24,10 +25,6 @@
 
 namespace tagsmith::detail {
 namespace {
-
-Side side_of(const SurveyedPoint& point) {
-  return point.kind == PointKind::left_tag ? Side::left : Side::right;
-}
 
 template <class Values>
 std::string joined(const Values& values) {
@@ -231,20 +228,15 @@ std::string tags_text(const SurveyDraft& draft) {
 // The keys of an attitude that does not follow from the drafted wall; of a rough one nothing
 // follows.
 std::string attitude_keys(const SurveyDraft& draft, const SurveyedPoint& point) {
-  constexpr double kSame = radians(0.02);
   if (!point.attitude) return {};
   const bool rough = usual_angle_sigma(draft.fit.tunnel, draft.tag) > kUsualAngleSigma;
   const PlateAttitude& attitude = *point.attitude;
-  const Pose on_wall = plate_on_wall(draft.fit.tunnel, draft.tag, point.tag->side,
-                                     world_from_grid(draft.grid, point.in_grid));
-  const double by_wall = grid_heading_from_world(draft.grid, facing_of(on_wall));
-  const double turned =
-      std::remainder(attitude.facing.value_or(by_wall) - by_wall, 2 * std::numbers::pi);
   const auto key = [](const char* name, double angle) {
     return std::string(", ") + name + ": " + format_number(degrees(angle));
   };
   std::string text;
-  if (attitude.facing && (rough || std::abs(turned) > kSame)) {
+  if (attitude.facing &&
+      (rough || !faces_as_wall(point, draft.grid, draft.fit.tunnel, draft.tag))) {
     text += key("facing", *attitude.facing);
   }
   if (attitude.tilt != 0) text += key("tilt", attitude.tilt);
@@ -574,7 +566,7 @@ void number_tags(std::vector<SurveyedPoint>& points, const TunnelFit& fit) {
     std::set<int> taken;
     std::vector<std::size_t> unnamed;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!is_tag(points[i]) || side_of(points[i]) != side) continue;
+      if (!is_tag(points[i]) || wall_of(points[i]) != side) continue;
       if (points[i].tag) {
         taken.insert(points[i].tag->pair);
       } else {

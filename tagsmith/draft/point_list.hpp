@@ -58,6 +58,10 @@ inline bool is_tag(const SurveyedPoint& point) {
   return point.kind == PointKind::left_tag || point.kind == PointKind::right_tag;
 }
 
+inline Side wall_of(const SurveyedPoint& tag) {
+  return tag.kind == PointKind::left_tag ? Side::left : Side::right;
+}
+
 struct PointList {
   std::vector<SurveyedPoint> points;
   std::optional<ListedSurvey> survey;       // of lists of `tagsmith export`

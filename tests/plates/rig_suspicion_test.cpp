@@ -206,7 +206,7 @@ TEST_CASE("plates that were surveyed at another point than P are told with the p
     REQUIRE(suspicion);
     const RigSuspect& plates = suspicion->suspects[0];
     CHECK(plates.parameter == RigParameter::plate_point);
-    CHECK(plates.point == point.name);
+    CHECK(std::string(plates.point.option) == point.option);
     CHECK(plates.expected == doctest::Approx(point.place.norm()));
     const Survey likely = with_plates_of(plates, listed);
     for (std::size_t i = 0; i < hung.tags.size(); ++i) {
