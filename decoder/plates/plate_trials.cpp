@@ -26,7 +26,8 @@ Pose plate_measured_at(const MeasuredPoint& point, const Survey& survey, Side si
   const Eigen::Matrix3d against_wall = wall_at(listed.translation).transpose() * listed.rotation;
   Pose plate = listed;
   for (int round = 0; round < kRounds; ++round) {
-    plate.translation = listed.translation - plate.rotation.leftCols<2>() * point.place;
+    plate.translation = listed.translation -
+                        plate.rotation.leftCols<2>() * Eigen::Vector2d(point.right, point.down);
     plate.rotation = wall_at(plate.translation) * against_wall;
   }
   return plate;

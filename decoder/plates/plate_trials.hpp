@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "decoder/plates/drive_fit.hpp"
-#include "tagsmith/survey/measured_point.hpp"
+#include "tagsmith/tag/measured_point.hpp"
 
 namespace tagsmith::detail {
 

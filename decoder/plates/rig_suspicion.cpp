@@ -386,8 +386,8 @@ void try_points(const Survey& survey, const Rig& rig, const Stated& as_stated,
     const auto with =
         explained(survey, std::move(drive), rig, stated_sigmas(rig), as_stated.excess);
     if (!with || !is_better(*with, as_stated) || !fits_well(*with, as_stated.excess)) continue;
-    RigSuspect suspect{"", RigParameter::plate_point, 0, point.place.norm()};
-    suspect.shift.head<2>() = Eigen::Vector2d(point.place.x(), -point.place.y());
+    RigSuspect suspect{"", RigParameter::plate_point, 0, std::hypot(point.right, point.down)};
+    suspect.shift.head<2>() = Eigen::Vector2d(point.right, -point.down);
     suspect.point = point;
     take_if_sure(*with, suspect, survey.sigma, kOfParameter, result);
   }

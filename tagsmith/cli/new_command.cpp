@@ -26,9 +26,9 @@
 #include "tagsmith/draft/move_to_p.hpp"
 #include "tagsmith/draft/point_list.hpp"
 #include "tagsmith/draft/walls_beside.hpp"
-#include "tagsmith/survey/measured_point.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
+#include "tagsmith/tag/measured_point.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;

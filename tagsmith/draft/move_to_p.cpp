@@ -47,8 +47,9 @@ void move_to_p(std::vector<SurveyedPoint>& points, const MeasuredPoint& point, c
         attitude->facing = wrapped_angle(*attitude->facing + heading_at(moved.chainage) -
                                          heading_at(measured.chainage));
       }
-      const Eigen::Vector3d p = measured.world_from_plate.translation -
-                                moved.world_from_plate.rotation.leftCols<2>() * point.place;
+      const Eigen::Vector3d p =
+          measured.world_from_plate.translation -
+          moved.world_from_plate.rotation.leftCols<2>() * Eigen::Vector2d(point.right, point.down);
       moved = place_surveyed(survey, name, grid_from_world(grid, p), attitude);
     }
     listed.in_grid = moved.p_in_grid;

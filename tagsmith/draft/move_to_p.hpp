@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "tagsmith/draft/point_list.hpp"
-#include "tagsmith/survey/measured_point.hpp"
 #include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/measured_point.hpp"
 
 namespace tagsmith::detail {
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drafts of lists whose plates were measured at another point than P.
-#include "tagsmith/survey/measured_point.hpp"
+#include "tagsmith/tag/measured_point.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -24,7 +25,7 @@ namespace {
 
 Eigen::Vector3d place_of(const MeasuredPoint& point, const PlacedTag& tag) {
   return tag.world_from_plate.translation +
-         tag.world_from_plate.rotation.leftCols<2>() * point.place;
+         tag.world_from_plate.rotation.leftCols<2>() * Eigen::Vector2d(point.right, point.down);
 }
 
 Survey drafted(const fs::path& folder, const std::string& csv, const std::string& arguments) {
@@ -65,7 +66,7 @@ TEST_CASE("a table of plates measured at any point becomes the survey of their P
         drafted(folder.path(), csv, "--order PENZD --point " + std::string(point.option));
     CHECK(farthest_apart(made, right) < kRounded);
     CHECK(farthest_apart(drafted(folder.path(), csv, "--order PENZD"), right) >
-          point.place.norm() - kRounded);
+          std::hypot(point.right, point.down) - kRounded);
   }
 }
 

@@ -189,14 +189,14 @@ TEST_CASE("plates that were surveyed at another point than P are told with the p
   const Survey hung = exact_corridor().survey;
   for (const MeasuredPoint& point : points_besides_p(hung.tag_template)) {
     CAPTURE(std::string(point.name));
-    if (point.place.x() == 0) continue;  // straight below P: only the vehicle's height shows it
+    if (point.right == 0) continue;  // straight below P: only the vehicle's height shows it
     Seen seen{exact_corridor(), {}};
     Draws draws(23);
     seen.rows = seen_from(seen.site, drive_past(seen.site, 6, draws), draws);
     Survey listed = hung;
     for (PlacedTag& tag : listed.tags) {
       Pose& pose = tag.world_from_plate;
-      pose.translation += pose.rotation.leftCols<2>() * point.place;
+      pose.translation += pose.rotation.leftCols<2>() * Eigen::Vector2d(point.right, point.down);
       tag.p_in_grid = grid_from_world(listed.grid, pose.translation);
     }
     for (Observation& row : seen.rows) {
@@ -207,7 +207,7 @@ TEST_CASE("plates that were surveyed at another point than P are told with the p
     const RigSuspect& plates = suspicion->suspects[0];
     CHECK(plates.parameter == RigParameter::plate_point);
     CHECK(std::string(plates.point.option) == point.option);
-    CHECK(plates.expected == doctest::Approx(point.place.norm()));
+    CHECK(plates.expected == doctest::Approx(std::hypot(point.right, point.down)));
     const Survey likely = with_plates_of(plates, listed);
     for (std::size_t i = 0; i < hung.tags.size(); ++i) {
       CHECK((likely.tags[i].p_in_grid - hung.tags[i].p_in_grid).norm() < 1e-9);

@@ -4,16 +4,16 @@
 
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith::detail {
 
 struct MeasuredPoint {
-  const char* option = "";      // as `tagsmith new --point` has it: "top-right"
-  const char* name = "";        // "the frame's top right corner"
-  Eigen::Vector2d place{0, 0};  // from P to the right and down, as seen by who faces the plate, m
+  const char* option = "";  // as `tagsmith new --point` has it: "top-right"
+  const char* name = "";    // "the frame's top right corner"
+  // From P, as seen by who faces the plate, metres.
+  double right = 0;
+  double down = 0;
 };
 
 // P, the inner top left corner of the frame, is none of them.
