@@ -504,7 +504,7 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
                      degrees(suspect.sigma), decimals, degrees(named.of(suspect.stated)));
 }
 
-// "; if so, add -2.0 degrees to the `tilt` of these tags, ...": what the survey is to state.
+// "; if so, add -2.0 degrees to `tags.tilt`, ...": what the survey is to state.
 std::string remedy_of(const RigSuspect& suspect) {
   if (suspect.parameter == RigParameter::plate_point) {
     return fmt::format(
@@ -517,16 +517,18 @@ std::string remedy_of(const RigSuspect& suspect) {
   }
   if (!is_of_attitudes(suspect)) return "";
   const double angle = degrees(suspect.expected);
+  const char* wall = suspect.parameter == RigParameter::left_plate_tilt    ? " of the left wall"
+                     : suspect.parameter == RigParameter::right_plate_tilt ? " of the right wall"
+                                                                           : "";
   const std::string turn =
       suspect.parameter == RigParameter::plate_slope
           ? fmt::format(
-                "{:+.1f} degrees to the `roll` of the left wall's tags and {:+.1f} to that "
-                "of the right wall's",
+                "{:+.1f} degrees to the left wall's `tags.roll` and {:+.1f} to the right wall's, "
+                "and "
+                "to each `roll`",
                 -angle, angle)
-          : fmt::format("{:+.1f} degrees to the `tilt` of these tags", angle);
-  return fmt::format(
-      "; if so, add {}, in `placed` or in the list that `export` writes and `new --from` reads",
-      turn);
+          : fmt::format("{:+.1f} degrees to `tags.tilt`{}, and to each `tilt`", angle, wall);
+  return fmt::format("; if so, add {} that tags of `placed` state", turn);
 }
 
 // The tilt of plates where the survey says nothing of it, or that plates hang exactly.

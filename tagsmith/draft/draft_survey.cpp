@@ -516,6 +516,7 @@ tags:
   first: 1.0              # chainage of the first left P
   pairs: 10               # or to: CHAINAGE
   # theta: 6.5            # leave out: plates then face each other exactly
+  # tilt: 4               # of plates on leaning walls: degrees, upper edge forward
   sigma: 0.003            # how well a coordinate is surveyed, one standard deviation;
                           # 0 = exact
   angle_sigma: 0.3        # how far plates lean or turn, degrees; 0.3: hung by eye

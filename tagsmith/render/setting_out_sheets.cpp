@@ -118,13 +118,13 @@ TableRow texts_of(const Survey& survey, const SettingOut& place) {
           ""};
 }
 
-// The places, each followed by how its plate turns out of its wall.
+// The places, each followed by how its plate turns out of its wall unless all of that wall do.
 std::vector<TableRow> rows_of(const Survey& survey, std::span<const SettingOut> list) {
   std::vector<TableRow> rows;
   for (const SettingOut& place : list) {
     rows.push_back(texts_of(survey, place));
+    if (!has_own_attitude(survey, *place.tag)) continue;
     const std::optional<PlateAttitude>& attitude = place.tag->attitude;
-    if (!attitude) continue;
     rows.push_back({"the plate of " + place.tag->name + " " + attitude_text(*attitude) +
                     (attitude->facing ? ", from +y towards +x of the grid" : "")});
   }
@@ -134,11 +134,12 @@ std::vector<TableRow> rows_of(const Survey& survey, std::span<const SettingOut> 
 void add_heading(TablePage& page, const Survey& survey, const std::string& revision,
                  std::size_t number, std::size_t count) {
   const double width = kRight - kLeft;
+  const std::string usual = usual_attitudes_text(survey);
   page.text(kLeft, 0.019, "Setting-out of position tags: " + survey.name, 0.0042, width);
   page.text(kLeft, 0.026,
-            fmt::format("{}plate {}  \u00b7  page {} of {}",
+            fmt::format("{}plate {}{}  \u00b7  page {} of {}",
                         revision.empty() ? "" : "revision " + revision + "  \u00b7  ",
-                        survey.tag_template.name, number, count),
+                        survey.tag_template.name, usual.empty() ? "" : ": " + usual, number, count),
             kCellTextHeight, width);
   page.text(kLeft, 0.032,
             "Every place is that of corner P: the upper left inner corner of the black frame, seen "
@@ -190,6 +191,9 @@ Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
   TitleBlock block{survey.name, "Setting-out of position tags", {}};
   if (!revision.empty()) block.fields.push_back({"Revision", revision});
   block.fields.push_back({"Plate", survey.tag_template.name});
+  if (const std::string usual = usual_attitudes_text(survey); !usual.empty()) {
+    block.fields.push_back({"Attitude", usual});
+  }
   block.fields.push_back(
       {"P from its upper left corner", format_number(-plate.x * 1000, 1) + " right, " +
                                            format_number(-plate.y * 1000, 1) + " down (mm)"});

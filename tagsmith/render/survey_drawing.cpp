@@ -94,9 +94,12 @@ void add_tunnel_words(std::vector<std::string>& lines, const Survey& survey) {
 // Plates that do not hang as their wall says.
 void add_attitude_words(std::vector<std::string>& lines, const Survey& survey) {
   constexpr int kMostNamed = 8;
+  if (const std::string usual = usual_attitudes_text(survey); !usual.empty()) {
+    lines.push_back("    " + usual);
+  }
   int count = 0;
   for (const PlacedTag& tag : survey.tags) {
-    if (!tag.attitude || ++count > kMostNamed) continue;
+    if (!has_own_attitude(survey, tag) || ++count > kMostNamed) continue;
     lines.push_back("    " + tag.name + " " + attitude_text(*tag.attitude));
   }
   if (count > kMostNamed) {

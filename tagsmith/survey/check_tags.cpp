@@ -383,8 +383,8 @@ void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags,
     bool stands_free = false;
     if (entry.tag.surveyed) {
       const CenterlineAddress middle = middle_of(survey, entry.tag);
-      stands_free =
-          entry.tag.attitude && behind_wall(survey.tunnel, entry.tag.side, middle) < -kOffWall;
+      stands_free = has_own_attitude(survey, entry.tag) &&
+                    behind_wall(survey.tunnel, entry.tag.side, middle) < -kOffWall;
       check_on_wall(survey, entry, middle, log);
       check_faces_room(survey, entry, log);
       check_tilt(survey, entry, log);

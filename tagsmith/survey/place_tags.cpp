@@ -18,6 +18,15 @@ namespace {
 
 GridPoint to_grid_point(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
 
+// Turns a plate that is upright and faces away from its wall.
+void take_attitude(const std::optional<PlateAttitude>& attitude, const Grid& grid, PlacedTag& tag) {
+  tag.attitude = attitude;
+  if (!attitude) return;
+  const double facing = attitude->facing ? world_heading_from_grid(grid, *attitude->facing)
+                                         : facing_of(tag.world_from_plate);
+  tag.world_from_plate.rotation = plate_rotation(facing, attitude->tilt, attitude->roll);
+}
+
 }  // namespace
 
 std::string tag_name(int pair, Side side) {
@@ -75,6 +84,7 @@ PlacedTag place_in_series(const Survey& survey, int pair, Side side) {
   const Eigen::Vector3d x = -to_right * direction_of(heading);
   tag.world_from_plate.rotation << x, -Eigen::Vector3d::UnitZ(), to_right * right_of(heading);
   tag.world_from_plate.translation = p;
+  take_attitude(usual_attitude(survey, side), survey.grid, tag);
   return tag;
 }
 
@@ -88,12 +98,7 @@ PlacedTag place_surveyed(const Survey& survey, const TagName& name,
   tag.side = name.side;
   tag.p_in_grid = p_in_grid;
   tag.world_from_plate = plate_on_wall(survey.tunnel, survey.tag_template, name.side, p);
-  tag.attitude = attitude;
-  if (attitude) {
-    const double facing = attitude->facing ? world_heading_from_grid(survey.grid, *attitude->facing)
-                                           : facing_of(tag.world_from_plate);
-    tag.world_from_plate.rotation = plate_rotation(facing, attitude->tilt, attitude->roll);
-  }
+  take_attitude(attitude ? attitude : usual_attitude(survey, name.side), survey.grid, tag);
   tag.chainage = survey.tunnel.centerline.locate(p.head<2>()).chainage;
   tag.surveyed = true;
   tag.sigma = survey.sigma;

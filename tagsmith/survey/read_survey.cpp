@@ -104,15 +104,39 @@ std::string read_date(const YamlValue& value) {
   return {};
 }
 
-// Nothing when no key states it.
-std::optional<PlateAttitude> read_attitude(const MapReader& map) {
+// Nothing when no key states it. What is not stated is as `usual`.
+std::optional<PlateAttitude> read_attitude(const MapReader& map, const PlateAttitude& usual) {
   if (!map.has("facing") && !map.has("tilt") && !map.has("roll")) return std::nullopt;
-  PlateAttitude attitude;
+  PlateAttitude attitude = usual;
   const auto facing = map.number_if_there("facing", between(-360, 360, "degrees"));
+  const auto tilt = map.number_if_there("tilt", between(-90, 90, "degrees"));
+  const auto roll = map.number_if_there("roll", between(-180, 180, "degrees"));
   if (facing) attitude.facing = radians(*facing);
-  attitude.tilt = radians(map.number_or("tilt", 0, between(-90, 90, "degrees")));
-  attitude.roll = radians(map.number_or("roll", 0, between(-180, 180, "degrees")));
+  if (tilt) attitude.tilt = radians(*tilt);
+  if (roll) attitude.roll = radians(*roll);
   return attitude;
+}
+
+// Angles of all plates that state none, radians, left and right: one number, or one a side.
+std::array<double, 2> read_usual_angle(const YamlValue& value) {
+  const NumberRange range = between(-45, 45, "degrees");
+  if (!value.is(YamlNode::Kind::map)) {
+    const double angle = value ? radians(read_number(value, range).value_or(0)) : 0;
+    return {angle, angle};
+  }
+  const MapReader sides(value, {"left", "right"});
+  return {radians(sides.number_or("left", 0, range)), radians(sides.number_or("right", 0, range))};
+}
+
+std::array<std::optional<PlateAttitude>, 2> read_usual_attitudes(const MapReader& tags) {
+  const auto tilts = read_usual_angle(tags.at("tilt"));
+  const auto rolls = read_usual_angle(tags.at("roll"));
+  std::array<std::optional<PlateAttitude>, 2> attitudes;
+  for (std::size_t side = 0; side < attitudes.size(); ++side) {
+    if (tilts[side] == 0 && rolls[side] == 0) continue;
+    attitudes[side] = PlateAttitude{std::nullopt, tilts[side], rolls[side]};
+  }
+  return attitudes;
 }
 
 // A standard deviation that says less of a plate's place than validate asks of it.
@@ -129,7 +153,7 @@ std::optional<double> read_sigma(const MapReader& map) {
   return sigma;
 }
 
-std::optional<PlacedEntry> read_placed_entry(const YamlValue& value,
+std::optional<PlacedEntry> read_placed_entry(const YamlValue& value, const Survey& survey,
                                              const std::optional<CheckDigit>& check) {
   const MapReader map(value, {"tag", "side", "p", "digits", "sigma", "date", "design", "control",
                               "facing", "tilt", "roll"});
@@ -142,22 +166,22 @@ std::optional<PlacedEntry> read_placed_entry(const YamlValue& value,
   entry.date = read_date(map.at("date"));
   entry.design_in_grid = read_point(map.at("design"), kFarthest);
   entry.control = read_bool(map.at("control")).value_or(false);
-  entry.attitude = read_attitude(map);
   const bool digits_fit = !map.has("digits") || entry.digits.has_value();
   if (!name || !p || !digits_fit) return std::nullopt;
   entry.name = *name;
+  entry.attitude = read_attitude(map, usual_attitude(survey, name->side).value_or(PlateAttitude{}));
   entry.p_in_grid = *p;
   entry.place = value.place();
   return entry;
 }
 
 // The entries without a fault; faults are logged. `check` is the scheme of printed digits, nothing
-// when it is not known.
-std::map<TagKey, PlacedEntry> read_placed(const YamlValue& value,
+// when it is not known; `survey` has the plates' usual attitudes.
+std::map<TagKey, PlacedEntry> read_placed(const YamlValue& value, const Survey& survey,
                                           const std::optional<CheckDigit>& check) {
   std::map<TagKey, PlacedEntry> placed;
   for (const YamlValue& item : read_list(value).value_or(std::vector<YamlValue>{})) {
-    const auto entry = read_placed_entry(item, check);
+    const auto entry = read_placed_entry(item, survey, check);
     if (!entry) continue;
     const TagKey key{entry->name.pair, entry->name.side};
     const auto [first, is_new] = placed.emplace(key, *entry);
@@ -394,11 +418,12 @@ std::optional<Survey> read_survey_tree(const YamlValue& root, const fs::path& pa
   survey.grid = read_grid(file.at("grid"));
   const auto tunnel = read_tunnel(
       file.need("tunnel", "tunnel: { width: 1.9, height: 3.0, centerline: ... }"), survey.grid);
-  const MapReader tags(
-      file.need("tags", "tags: { template: tag-400x300, ... }"),
-      {"template", "height", "spacing", "first", "pairs", "to", "theta", "sigma", "angle_sigma"});
+  const MapReader tags(file.need("tags", "tags: { template: tag-400x300, ... }"),
+                       {"template", "height", "spacing", "first", "pairs", "to", "theta", "tilt",
+                        "roll", "sigma", "angle_sigma"});
   const auto tag_template = read_named_template(tags, path.parent_path());
   survey.series = read_series(tags, file.has("placed"), tag_template);
+  survey.usual_attitudes = read_usual_attitudes(tags);
   survey.states_sigma = tags.has("sigma");
   survey.sigma = read_sigma(tags).value_or(kUsualSigma);
   // A survey whose coordinates are stated to be exact is one of computed pictures: nobody hung its
@@ -412,7 +437,7 @@ std::optional<Survey> read_survey_tree(const YamlValue& root, const fs::path& pa
   const auto check = read_check_digit(code);
   const auto position_code = read_code(code, check);
   survey.code = position_code.value_or(PositionCode{});
-  const auto placed = read_placed(file.at("placed"), check);
+  const auto placed = read_placed(file.at("placed"), survey, check);
   if (!tunnel || !tag_template) return std::nullopt;
   survey.tunnel = *tunnel;
   survey.tag_template = *tag_template;

@@ -93,6 +93,23 @@ std::string attitude_text(const PlateAttitude& attitude) {
   return text.empty() ? "stands upright" : text;
 }
 
+const std::optional<PlateAttitude>& usual_attitude(const Survey& survey, Side side) {
+  return survey.usual_attitudes[side == Side::left ? 0 : 1];
+}
+
+bool has_own_attitude(const Survey& survey, const PlacedTag& tag) {
+  return tag.attitude && tag.attitude != usual_attitude(survey, tag.side);
+}
+
+std::string usual_attitudes_text(const Survey& survey) {
+  const auto& [left, right] = survey.usual_attitudes;
+  if (!left && !right) return {};
+  const std::string on_left = attitude_text(left.value_or(PlateAttitude{}));
+  const std::string on_right = attitude_text(right.value_or(PlateAttitude{}));
+  return on_left == on_right ? "every plate " + on_left
+                             : "every left plate " + on_left + "; every right one " + on_right;
+}
+
 const PlacedTag* find_tag(const Survey& survey, const Digits& digits) {
   return find_if(survey, [&](const PlacedTag& tag) { return tag.digits == digits; });
 }

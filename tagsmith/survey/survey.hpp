@@ -2,6 +2,7 @@
 // A surveyed tunnel and the tags in it.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -48,6 +49,8 @@ struct PlateAttitude {
   std::optional<double> facing;  // grid heading of its face; absent = away from its wall
   double tilt = 0;               // of its upper edge out of the wall: the plate looks down
   double roll = 0;               // in its own plane, clockwise as a viewer sees it
+
+  bool operator==(const PlateAttitude&) const = default;
 };
 
 // "faces 270 degrees, leans 3 degrees out of the wall": in words, for drawings and lists.
@@ -68,7 +71,7 @@ struct PlacedTag {
   double sigma = 0;       // standard deviation of a coordinate of P, metres
   std::string date;       // of the measurement, as 2026-03-31; empty = not given
   std::optional<Eigen::Vector3d> design_in_grid;  // P as designed, where `placed` moved it
-  std::optional<PlateAttitude> attitude;          // its own; absent = that of its wall
+  std::optional<PlateAttitude> attitude;          // absent = upright, as its wall faces
   int line = 0;  // its line in the survey's file, from 1; 0 = it has none
   int column = 0;
 };
@@ -80,6 +83,8 @@ struct Survey {
   Tunnel tunnel;
   TagTemplate tag_template;
   std::optional<TagSeries> series;
+  // Of the plates of each Side that state none, without `facing`; absent = upright.
+  std::array<std::optional<PlateAttitude>, 2> usual_attitudes;
   double sigma =
       0;  // standard deviation of a surveyed coordinate, metres; a tag takes it when placed
   double angle_sigma = 0;  // of a plate's attitude against its wall, about each axis, radians
@@ -90,6 +95,15 @@ struct Survey {
   PositionCode code;
   std::vector<PlacedTag> tags;  // by pair, left before right
 };
+
+const std::optional<PlateAttitude>& usual_attitude(const Survey& survey, Side side);
+
+// Whether a tag has an attitude that is not the usual one of its side.
+bool has_own_attitude(const Survey& survey, const PlacedTag& tag);
+
+// "every plate leans 3 degrees forward": the usual attitudes in words; empty where plates are
+// upright.
+std::string usual_attitudes_text(const Survey& survey);
 
 // The tag with these digits, or null.
 const PlacedTag* find_tag(const Survey& survey, const Digits& digits);

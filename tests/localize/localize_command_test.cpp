@@ -543,7 +543,7 @@ TEST_CASE("plates that all lean otherwise than surveyed are told with what to wr
       " '" + file + "' --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
   const std::string words = "plates of both walls that lean back by 1.50 ";
   const std::string remedy =
-      "; if so, add -1.5 degrees to the `tilt` of these tags, in `placed` or";
+      "; if so, add -1.5 degrees to `tags.tilt`, and to each `tilt` that tags of `placed` state";
   const ProgramOutput located = run_tagsmith("localize --json" + rest);
   CHECK(located.exit_code == 1);
   const json suspicion = json_lines(located.out).back()["summary"]["rig_suspicion"];

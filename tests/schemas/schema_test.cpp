@@ -59,7 +59,8 @@ const Json& good_surveyed_tunnel() {
       { "clothoid": 5.5, "turn": "left", "from_radius": 30.5, "to_radius": 20.5, "grade": 1.5 } ])");
     json["grid"]["crs"] = "EPSG:25832";
     json["tags"].erase("pairs");
-    json["tags"]["to"] = 3.5;
+    json["tags"].update(Json::parse(R"({ "to": 3.5, "tilt": { "left": 2.5, "right": -1.5 },
+      "roll": 0.5 })"));
     json["placed"][0].update(Json::parse(R"({ "facing": 88.5, "tilt": 3.5, "roll": -1.5 })"));
     return json;
   }();

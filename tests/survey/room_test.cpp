@@ -181,6 +181,47 @@ TEST_CASE("facing, tilt and roll turn a plate as a viewer would say") {
   CHECK(std::abs(leaning.world_from_plate.rotation.determinant() - 1) < 1e-12);
 }
 
+TEST_CASE("plates that state no attitude have the one that all are said to have") {
+  const std::string plain =
+      drive(kPlain,
+            "placed:\n"
+            "  - { tag: 040L, side: left, p: [-1.9, 29.5, 1.4] }\n"
+            "  - { tag: 041R, side: right, p: [1.9, 29.5, 1.4], tilt: 0 }\n"
+            "  - { tag: 042L, side: left, p: [-1.9, 28.5, 1.4], facing: 95 }\n");
+  const auto with = [&](const std::string& keys) {
+    return survey_of(replaced(plain, "pairs: 14", "pairs: 14, " + keys));
+  };
+  const Survey upright = survey_of(plain);
+  CHECK(usual_attitudes_text(upright).empty());
+  const Survey leaning = with("tilt: 4");
+  CHECK(usual_attitudes_text(leaning) == "every plate leans 4 degrees forward");
+  for (std::size_t i = 0; i < upright.tags.size(); ++i) {
+    const PlacedTag& tag = leaning.tags[i];
+    CAPTURE(tag.name);
+    CHECK((tag.p_in_grid - upright.tags[i].p_in_grid).norm() == 0);
+    CHECK(tag.digits == upright.tags[i].digits);
+    CHECK(facing(tag).z() == Approx(tag.name == "041R" ? 0 : -std::sin(radians(4))));
+    CHECK(has_own_attitude(leaning, tag) == (tag.name == "041R" || tag.name == "042L"));
+  }
+  CHECK(find_tag(leaning, "042L")->attitude->facing == Approx(radians(95)));
+  const Survey by_side = with("tilt: { left: 4, right: -2 }, roll: { left: -3, right: 3 }");
+  CHECK(facing(*find_tag(by_side, "003L")).z() == Approx(-std::sin(radians(4))));
+  CHECK(facing(*find_tag(by_side, "003R")).z() == Approx(std::sin(radians(2))));
+  // Both rise along the drive: the left plate's right edge, the right plate's left one.
+  CHECK(find_tag(by_side, "003L")->world_from_plate.rotation(2, 0) > 0.05);
+  CHECK(find_tag(by_side, "003R")->world_from_plate.rotation(2, 0) < -0.05);
+  CHECK(survey_revision(leaning) != survey_revision(upright));
+  CHECK(usual_attitudes_text(by_side) ==
+        "every left plate leans 4 degrees forward, is turned 3 degrees anticlockwise; every right "
+        "one leans 2 degrees back, is turned 3 degrees clockwise");
+  for (const char* wrong : {"tilt: 90", "tilt: { left: 50 }", "tilt: [1, 2]", "roll: upright",
+                            "tilt: { both: 3 }", "roll: -46"}) {
+    CAPTURE(std::string(wrong));
+    CHECK(has_errors(
+        reading_of(replaced(plain, "pairs: 14", std::string("pairs: 14, ") + wrong)).diagnostics));
+  }
+}
+
 TEST_CASE("attitudes are the same in a grid with x to the left, seen by a viewer") {
   const std::string keys =
       "placed:\n  - { tag: 040L, side: left, p: [1.9, 29.5, 1.4], facing: 60, "
