@@ -67,10 +67,14 @@ Result<Measurement> measurement_from(const Json& object, const Rig& rig) {
   return measurement;
 }
 
-Fix next_fix(const Measurement& measurement, const FollowInput& input, LiveDrive& drive) {
+// `lacks_picture` becomes true where a photo could not be read.
+Fix next_fix(const Measurement& measurement, const FollowInput& input, LiveDrive& drive,
+             bool& lacks_picture) {
   const auto one = [&](const std::vector<Survey>& surveys, const std::optional<PosePrior>& prior,
                        Observation& seen) {
-    return input.localize(measurement, surveys, prior, seen);
+    Fix fix = input.localize(measurement, surveys, prior, seen);
+    lacks_picture = lacks_picture || seen.lacks_picture;
+    return fix;
   };
   Fix fix = drive.next(one, input.track ? measurement.time : std::nullopt);
   for (const std::string& words : drive.set_aside_notes())
@@ -103,8 +107,9 @@ int follow(const FollowInput& input) {
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
-      const Fix fix = next_fix(*measurement, input, drive);
-      all_located = all_located && fix.position_in_grid && fix.doubt.empty();
+      bool lacks_picture = false;
+      const Fix fix = next_fix(*measurement, input, drive, lacks_picture);
+      all_located = all_located && fix.position_in_grid && fix.doubt.empty() && !lacks_picture;
       answer = fix_json_line(fix, *measurement, input.explain);
     } else {
       all_located = false;

@@ -176,7 +176,9 @@ FollowInput live_input(const LocalizeInput& input, const LocalizeOptions& option
                       const std::optional<PosePrior>& prior, Observation& seen) {
     if (sparing) return localize_measurement(measurement, surveys, input.rig, prior, *memory, seen);
     // Of these methods the measurements are not compared.
-    const Observation row = observe(measurement, surveys, input.rig, reader, prior);
+    Observation row = observe(measurement, surveys, input.rig, reader, prior);
+    memory->leave_out_known(row);
+    seen.lacks_picture = row.lacks_picture;
     return joint ? localize_jointly(row, surveys, input.rig)
                  : localize_by_paper(row, surveys, input.rig);
   };

@@ -90,9 +90,12 @@ void judge_by_codes(const Survey& survey, VerifiedFile& line) {
     const PlacedTag* same = find_tag(survey, *tag.digits);
     tag.tag = same != nullptr ? same->name : "";
     tag.hung.reset();
+    const TagStatus status = tag.finding.status;
     // From places that may have changed since.
-    if (tag.finding.status == TagStatus::misplaced) tag.finding = {};
-    if (same != nullptr || tag.finding.status == TagStatus::unknown) continue;
+    const bool is_of_place = status == TagStatus::misplaced ||
+                             (status == TagStatus::doubtful && !tag.finding.doubts_up());
+    if (is_of_place || (same != nullptr && status == TagStatus::unknown)) tag.finding = {};
+    if (same != nullptr || status == TagStatus::unknown) continue;
     tag.finding = {TagStatus::unknown, "not-in-survey",
                    fmt::format("{} is not in survey {}", to_string(*tag.digits), survey.name)};
   }

@@ -349,14 +349,15 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
 }
 
 void print_in_words(const Survey& survey, const LedgerReport& report) {
-  to_stdout("{} photos of {}{}\n", report.photos.photos, survey.name, days_in_words(report));
+  to_stdout("{} of {}{}\n", counted(report.photos.photos, "photo"), survey.name,
+            days_in_words(report));
   for (const std::string& sentence : doubts_in_words(report)) to_stdout("{}\n", sentence);
   if (report.blames_camera()) to_stdout("{}\n", camera_in_words(report));
   std::size_t without = 0;
   for (const PlateState& plate : report.plates) {
     if (plate.action == PlateAction::plan) {
-      to_stdout("{} by {}: {} ({})\n", to_string(*plate.cure), due_in_words(plate), plate.tag,
-                plate.reason);
+      to_stdout("{} by {}: {} ({}; at the limit: {})\n", to_string(*plate.cure),
+                to_text(plate.due->not_before), plate.tag, plate.reason, due_in_words(plate));
     } else if (plate.action < PlateAction::plan) {
       to_stdout("{} now: {} ({})\n", to_string(plate.action), plate.tag, plate.reason);
     }

@@ -432,7 +432,6 @@ void add(const PlateSighting& seen, Day last, bool is_between_read, PlateHistory
   const bool has_day = day && *day <= last && seen.taken >= kFirstPhotos;
   if (!has_day) ++history.undated;
   PlateDay& of_day = has_day ? history.days[*day] : history.without_day;
-  ++of_day.photos;
   if (seen.offset_mm) of_day.offset_mm = seen.offset_mm;
   if (seen.finding.status != TagStatus::unreadable) {
     ++of_day.read;

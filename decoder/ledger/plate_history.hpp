@@ -95,7 +95,6 @@ struct SeenFault {
 
 // All photos of a plate of one day.
 struct PlateDay {
-  std::size_t photos = 0;
   std::size_t read = 0;    // photos in which it was read, with a fault or without
   std::size_t unread = 0;  // that show plates on both sides read, and it not
   bool in_order = false;

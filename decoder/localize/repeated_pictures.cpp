@@ -34,6 +34,13 @@ std::map<std::uint64_t, std::vector<Place>> places_of_pictures(
   return places;
 }
 
+std::string repeated_in_words(const std::string& camera) {
+  return fmt::format(
+      "not used, a measurement of another time has the same picture; does camera {} deliver new "
+      "ones?",
+      camera);
+}
+
 }  // namespace
 
 std::uint64_t fingerprint(const GrayView& picture) {
@@ -46,28 +53,40 @@ std::uint64_t fingerprint(const GrayView& picture) {
   return all;
 }
 
+bool PictureMemory::is_known(std::uint64_t picture, double time) {
+  const auto earlier = std::ranges::find(seen_, picture, &Seen::picture);
+  if (earlier == seen_.end()) {
+    seen_.push_back({picture, time});
+    if (seen_.size() > kMostRemembered) seen_.pop_front();
+    return false;
+  }
+  if (earlier->time == time) return false;
+  std::rotate(earlier, std::next(earlier), seen_.end());
+  return true;
+}
+
 std::vector<CameraImage> PictureMemory::new_ones(std::span<const CameraImage> images,
                                                  Observation& observation) {
   if (!observation.time) return {images.begin(), images.end()};
   std::vector<CameraImage> kept;
   for (const CameraImage& image : images) {
-    const std::uint64_t picture = fingerprint(image.image);
-    const auto earlier = std::ranges::find(seen_, picture, &Seen::picture);
-    if (earlier == seen_.end()) {
-      seen_.push_back({picture, *observation.time});
-      if (seen_.size() > kMostRemembered) seen_.pop_front();
-    } else if (earlier->time != *observation.time) {
-      std::rotate(earlier, std::next(earlier), seen_.end());
-      observation.faults.push_back(
-          fmt::format("{}: not used, a measurement of another time has the same picture; does "
-                      "camera {} deliver new ones?",
-                      image.name, image.camera->name));
-      observation.has_left_out = true;
+    if (!is_known(fingerprint(image.image), *observation.time)) {
+      kept.push_back(image);
       continue;
     }
-    kept.push_back(image);
+    observation.faults.push_back(image.name + ": " + repeated_in_words(image.camera->name));
+    observation.has_left_out = true;
   }
   return kept;
+}
+
+void PictureMemory::leave_out_known(Observation& observation) {
+  if (!observation.time) return;
+  for (const auto& [camera, picture] : std::map(observation.pictures)) {
+    if (!is_known(picture, *observation.time)) continue;
+    leave_out_pictures(observation, {camera},
+                       "the picture of camera " + camera + ": " + repeated_in_words(camera));
+  }
 }
 
 void leave_out_repeated(std::vector<Observation>& rows) {

@@ -27,7 +27,14 @@ class PictureMemory {
   // which knows its time, gets a fault.
   std::vector<CameraImage> new_ones(std::span<const CameraImage> images, Observation& observation);
 
+  // Removes from the observation what was seen in pictures that a measurement of another time had,
+  // and adds a fault for each.
+  void leave_out_known(Observation& observation);
+
  private:
+  // Whether a measurement of another time had it; remembers it otherwise.
+  bool is_known(std::uint64_t picture, double time);
+
   struct Seen {
     std::uint64_t picture = 0;
     double time = 0;  // seconds

@@ -27,7 +27,6 @@ struct Step {
   MotionEstimate filtered;
   bool used = false;       // its fix
   bool confirmed = false;  // its fix, by the motion before it
-  double distance2 = -1;   // of its fix from the motion, chi-square; -1 = no fix
 };
 
 struct Track {
@@ -41,7 +40,6 @@ void filter(Step& step, const std::optional<MeasuredPlace>& measured) {
   step.filtered = step.predicted;
   if (!measured) return;
   const MotionUpdate update = updated(step.predicted, *measured);
-  step.distance2 = update.distance2;
   step.used = update.agrees;
   if (update.agrees) step.filtered = update.estimate;
 }
@@ -144,7 +142,22 @@ const Step& nearest_used(const Track& track, std::size_t row, const std::vector<
   });
 }
 
+// Removes what describes the position that the fix had.
+void forget_measurement(Fix& fix) {
+  fix.ranges.clear();
+  fix.dropped.clear();
+  fix.corners.clear();
+  fix.unchecked.clear();
+  fix.confirmations = 0;
+  fix.unconfirmed.clear();
+  fix.chi_square = 0;
+  fix.degrees_of_freedom = 0;
+  fix.variance_factor = 1;
+  std::erase(fix.notes, kOneTagOnly);
+}
+
 Fix without_position(Fix fix, std::string reason) {
+  if (fix.position_in_grid) forget_measurement(fix);
   fix.position_in_grid.reset();
   fix.covariance_in_grid.reset();
   fix.attitude.reset();
@@ -190,6 +203,7 @@ Fix predicted_fix(Fix fix, const VehiclePlace& place, const PlaceCovariance& cov
     refusal = fmt::format("{:.1f} s from the nearest measured position", gap);
   }
   if (!refusal.empty()) return without_position(std::move(fix), own + "; " + refusal);
+  if (fix.position_in_grid) forget_measurement(fix);
   fix.attitude.reset();
   fix.pose_covariance_in_grid.reset();
   fix.tags.clear();
@@ -255,7 +269,9 @@ Fix fix_in_track(const Job& job, const Track& track, const Step& step,
   const double gap = std::abs(job.times[nearest.row] - job.times[step.row]);
   const Survey& survey = survey_of(job.fixes[nearest.row], job.surveys);
   Fix predicted = predicted_fix(fix, place, covariance, gap, survey, job.rig, job.motion);
-  predicted.confirmations = job.fixes[nearest.row].confirmations + (nearest.confirmed ? 1 : 0);
+  const Fix& relied = job.fixes[nearest.row];
+  predicted.confirmations =
+      nearest.confirmed ? confirmed_by_motion(relied).confirmations : relied.confirmations;
   return predicted;
 }
 

@@ -70,19 +70,13 @@ Result<void> check_name(const NewOptions& options) {
     return fail(
         fmt::format("NAME {}: has {} bytes, expected at most {}", name, name.size(), kLongest));
   }
-  const bool usable = !name.empty() && is_plain_text(name) &&
-                      name.find_first_of("\\,:\"'#{}[]&*!|>%@`") == std::string::npos &&
-                      name.front() != '.' && name.front() != '-' && name.front() != '?' &&
-                      name.find_first_not_of("0123456789.+-eE") != std::string::npos &&
-                      name != "true" && name != "false" && name != "null";
+  const Diagnosed<Survey> named = read_survey_text("survey.yaml", survey_to_edit(name));
+  const bool usable = is_plain_name(name) &&
+                      name.find_first_of("'#{}[]&*!|>%@`") == std::string::npos && named.value &&
+                      named.value->name == name;
   if (!usable) {
     return fail("NAME " + options.name +
                 ": expected a folder to make, whose name has letters and no , : \" or the like");
-  }
-  for (const char* file : {"survey.yaml", "rig.yaml"}) {
-    const fs::path path = fs::path(options.name) / file;
-    std::error_code ignored;
-    if (fs::exists(path, ignored)) return fail(path.string() + ": is there already");
   }
   return {};
 }
@@ -496,7 +490,7 @@ Result<int> report_draft(const NewOptions& options, const std::string& file,
   const std::size_t warnings = reading->diagnostics.size() - errors;
   to_stderr("{} written: {}, {}; look at it: tagsmith draw {} -o {}\n", file,
             counted(errors, "error"), counted(warnings, "warning"), shell_word(file),
-            shell_word(survey_name(options) + ".pdf"));
+            shell_word((reading->value ? reading->value->name : survey_name(options)) + ".pdf"));
   return errors > 0 ? kExitFindings : kExitOk;
 }
 

@@ -101,7 +101,7 @@ std::string one_lost_text(const PlannedDrive& drive) {
 }
 
 bool has_exposure(const Rig& rig) {
-  return std::ranges::any_of(rig.cameras,
+  return std::ranges::all_of(rig.cameras,
                              [](const auto& camera) { return camera.exposure.has_value(); });
 }
 
@@ -297,7 +297,8 @@ Json accuracy(const PlanSummary& summary) {
           {"plane_any_pose", json_of(summary.worst_plane)},
           {"plane_one_tag_lost", json_of(summary.one_lost_plane)},
           {"worst_stretch", json_of(summary.worst_stretch)},
-          {"worst_stretch_plane", summary.worst_stretch_sigma}};
+          {"worst_stretch_plane",
+           summary.worst_stretch ? Json(summary.worst_stretch_sigma) : Json(nullptr)}};
 }
 
 Json paper(const std::optional<PaperSummary>& paper) {

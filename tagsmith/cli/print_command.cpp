@@ -246,10 +246,11 @@ void report_proof(const PrintRecord& record) {
     farthest = std::max(farthest, proof.corner_error);
     asked_zbar += proof.zbar.empty() ? 0 : 1;
   }
-  to_stderr("tagsmith print: proof: {} tags read as the survey has them{}, corners within {} mm\n",
-            record.proofs->size(),
-            asked_zbar > 0 ? fmt::format(", {} of them by zbar too", asked_zbar) : "",
-            format_number(farthest * 1000, 3));
+  to_stderr(
+      "tagsmith print: proof: {} of tags read as the survey has them{}, corners within {} mm\n",
+      counted(record.proofs->size(), "picture"),
+      asked_zbar > 0 ? fmt::format(", {} of them by zbar too", asked_zbar) : "",
+      format_number(farthest * 1000, 3));
 }
 
 void report_roll(const PrintJob& job) {

@@ -173,10 +173,11 @@ std::optional<PlateAttitude> read_attitude(const ListRow& row) {
   return attitude;
 }
 
-std::optional<SurveyedPoint> read_own_point(const ListRow& row) {
+std::optional<SurveyedPoint> read_own_point(const ListRow& row, const PointListOptions& options) {
   SurveyedPoint point;
   point.line = row.line();
   point.name = row.text("tag");
+  if (is_ignored({point.line, point.name, point.name}, options.ignore)) return std::nullopt;
   point.tag = parse_tag_name(point.name);
   if (!point.tag) {
     row.error("tag", "bad-tag-name", "tag is `" + point.name.substr(0, 60) + "`, expected 000L");
@@ -371,6 +372,27 @@ std::optional<char> separator_of(std::string_view text, std::size_t least, Findi
                    "--order says all columns of the file, - for those to skip");
 }
 
+// Whether fields follow that no column is for, and that do not continue a description.
+bool has_more_fields(const std::vector<std::string>& fields,
+                     const std::vector<std::string>& columns) {
+  if (columns.back() == "code") return false;
+  return std::any_of(fields.begin() + static_cast<std::ptrdiff_t>(columns.size()), fields.end(),
+                     [](const std::string& field) { return !trim(field).empty(); });
+}
+
+// Whether these are a point's numbers and description.
+bool is_point(const std::vector<std::string>& fields, const std::vector<std::string>& columns) {
+  if (fields.size() < columns.size()) return false;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string& column = columns[i];
+    const bool is_coordinate = column == "x" || column == "y" || column == "z";
+    if (is_coordinate && !parse_number(fields[i])) return false;
+    const std::string code = column == "code" ? code_of(fields[i]) : "";
+    if (column == "code" && !kind_of(code) && !parse_tag_name(code)) return false;
+  }
+  return true;
+}
+
 // Whether a line by commas has decimal commas, too: each coordinate is two fields of digits.
 bool has_decimal_commas(const std::vector<std::string>& fields,
                         const std::vector<std::string>& columns) {
@@ -409,7 +431,12 @@ void read_table(std::string_view text, const PointListOptions& options,
     if (!fields) {
       log.error({number, 0}, "bad-quotes", "a quoted field is not closed");
     } else if (std::exchange(is_header, false)) {
-      if (own) check_own_header(*fields, number, columns, log);
+      if (own) {
+        check_own_header(*fields, number, columns, log);
+      } else if (is_point(*fields, columns)) {
+        log.error({number, 0}, "missing-column", "the line is a point and names no columns",
+                  "leave --header out");
+      }
       return !log.has_errors();
     } else if (own && *fields == columns) {
       return true;  // lists put together, each with its names of the columns
@@ -423,6 +450,12 @@ void read_table(std::string_view text, const PointListOptions& options,
                 "the line has commas between the columns and in its numbers",
                 "with decimal commas, semicolons or tabs between the columns");
       return false;
+    } else if (!own && has_more_fields(*fields, columns)) {
+      log.error({number, 0}, "wrong-length",
+                "the line has " + std::to_string(fields->size()) + " fields, expected " +
+                    std::to_string(columns.size()),
+                "--order says all columns of the file, - for those to skip; a decimal comma makes "
+                "two fields of one number");
     } else if (list.points.size() == kMostPoints) {
       log.error({number, 0}, "too-many-points", "more than a million points", "divide the file");
       return false;
@@ -430,7 +463,7 @@ void read_table(std::string_view text, const PointListOptions& options,
       const ListRow row(columns, std::move(*fields), *separator != ',', number, log);
       if (own && first && is_one_survey) is_one_survey = repeats(row, *first, log);
       if (own && !first) list.survey = read_listed_survey(first.emplace(row));
-      auto point = own ? read_own_point(row) : read_point(row, options, log);
+      auto point = own ? read_own_point(row, options) : read_point(row, options, log);
       if (point) list.points.push_back(std::move(*point));
     }
     return true;

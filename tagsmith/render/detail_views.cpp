@@ -9,7 +9,6 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/survey_views.hpp"
-#include "tagsmith/render/tag_text.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -231,7 +230,7 @@ DrawingView pair_plan(const Survey& survey, const TagPair& pair) {
 
 DrawingView plate_view(const Survey& survey, const PlacedTag& tag) {
   const TagTemplate& plate = survey.tag_template;
-  const TagDrawing drawing = draw_tag(plate, tag.digits, tag_text(survey, tag));
+  const TagDrawing drawing = draw_tag(plate, tag.digits);
   const auto corners = [](const Rectangle& r) {
     return box({r.x, -r.y}, {r.x + r.width, -(r.y + r.height)});
   };

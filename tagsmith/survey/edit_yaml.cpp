@@ -269,8 +269,14 @@ Result<Replacement> items_appended(std::string_view text, const YamlNode* list,
   }
   if (list->items.back().flow) end = next_line(text, closing_bracket(text, *end));
   const auto first = offset_of(text, list->items.back().place, "");
-  const std::size_t line = text.rfind('\n', *first) + 1;  // npos + 1 = 0
-  const std::string indent(text.find('-', line) - line, ' ');
+  // The item's dash may stand on a line above its first key.
+  std::size_t line = text.rfind('\n', *first) + 1;  // npos + 1 = 0
+  std::size_t dash = text.find_first_not_of(' ', line);
+  while (text[dash] != '-' && line > 0) {
+    line = line < 2 ? 0 : text.rfind('\n', line - 2) + 1;
+    dash = text.find_first_not_of(' ', line);
+  }
+  const std::string indent(dash - line, ' ');
   for (const std::string& item : appended) lines += fmt::format("{}- {}\n", indent, item);
   return Replacement{*end, 0, (text[*end - 1] == '\n' ? "" : "\n") + lines};
 }

@@ -1051,6 +1051,53 @@ TEST_CASE("a list of export is not read with another plate of the same name") {
   }
 }
 
+TEST_CASE("fields that no column is for, and a first point that was to name columns, are refused") {
+  const TemporaryFolder folder;
+  const std::string text = surveyed_drift(0).text("PDENZ");
+  std::string comma = text;
+  const std::size_t end = comma.find('\n');
+  comma.replace(comma.rfind('.', end), 1, ",");  // a decimal comma in one height
+  const ProgramOutput more = draft(folder.path(), comma, "--order PDENZ");
+  CHECK(more.exit_code == 2);
+  CHECK_MESSAGE(more.err.find("points.csv:1: error: the line has 6 fields, expected 5 "
+                              "[wrong-length]") != std::string::npos,
+                more.err);
+  const ProgramOutput header = draft(folder.path(), text, "--order PDENZ --header");
+  CHECK(header.exit_code == 2);
+  CHECK_MESSAGE(header.err.find("leave --header out") != std::string::npos, header.err);
+  std::string blank = text;
+  blank.insert(blank.find('\n'), ",, ");
+  CHECK(draft(folder.path(), blank, "--order PDENZ").exit_code == 0);
+  fs::remove_all(folder.path() / "out");
+  CHECK(draft(folder.path(), "name,what,east,north,height\n" + text, "--order PDENZ --header")
+            .exit_code == 0);
+}
+
+TEST_CASE("a tag of a list of export is left out by its name") {
+  const TemporaryFolder folder;
+  const std::string list = tags_csv(load_survey("surveys/corridor/survey.yaml").value());
+  const ProgramOutput made = draft(folder.path(), list, "--order own --ignore 003L,003r");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+  CHECK(survey.tags.size() == 14);
+  CHECK(find_tag(survey, "003L") == nullptr);
+  CHECK(find_tag(survey, "003R") == nullptr);
+}
+
+TEST_CASE("names that a survey cannot have are refused, and a rig that is there is no obstacle") {
+  const TemporaryFolder folder;
+  for (const char* name : {"nan", "inf", "Null", "True", "~", "_x", "(a)", "$x", "12", "a#b"}) {
+    CAPTURE(std::string(name));
+    const fs::path path = folder.path() / name;
+    CHECK(run_tagsmith("new " + quoted(path)).exit_code == 2);
+    CHECK_FALSE(fs::exists(path));
+  }
+  fs::create_directories(folder.path() / "out");
+  write_text(folder.path() / "out" / "rig.yaml", "rig: mine\n");
+  CHECK(draft(folder.path(), surveyed_drift(0).text("PENZD"), "--order PENZD").exit_code == 0);
+  CHECK(draft(folder.path(), surveyed_drift(0).text("PENZD"), "--order PENZD").exit_code == 2);
+}
+
 TEST_CASE("a field that is no number is told with a remedy for its line") {
   const TemporaryFolder folder;
   const std::string header = "does the first line name the columns? then --header";

@@ -425,6 +425,45 @@ TEST_CASE("live measurements are answered a line each") {
   CHECK(lines[4].at("id").is_null());
 }
 
+TEST_CASE("live measurements do not use a picture of another time again, whatever the method") {
+  const TemporaryFolder folder;
+  std::string lines;
+  for (int time = 1; time <= 2; ++time) {
+    lines += fmt::format(
+        R"({{"id": "{}", "time": {}, "left": "surveys/corridor/photos/corridor_05_left.jpg",)"
+        R"( "right": "surveys/corridor/photos/corridor_05_right.jpg", "d": 0.9}})"
+        "\n",
+        time, time);
+  }
+  const std::string input = file_with(folder.path() / "input", lines);
+  for (const char* method : {"", " --unsurveyed", " --reader paper"}) {
+    CAPTURE(std::string(method));
+    const std::vector<json> answers = json_lines(
+        run_tagsmith("localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml "
+                     "--follow" +
+                     std::string(method) + " < " + input)
+            .out);
+    REQUIRE(answers.size() == 2);
+    CHECK(answers[0].at("status") == "ok");
+    CHECK(answers[1].at("status") == "no_position");
+    CHECK(answers[1].dump().find("has the same picture") != std::string::npos);
+  }
+}
+
+TEST_CASE("a live photo that cannot be read is a finding although the other one shows the place") {
+  const TemporaryFolder folder;
+  const std::string input = file_with(
+      folder.path() / "input",
+      R"({"id": "1", "left": "surveys/corridor/photos/corridor_05_left.jpg", "right": "nope.jpg"})");
+  for (const char* method : {"", " --unsurveyed"}) {
+    const ProgramOutput output = run_tagsmith(
+        "localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --follow" +
+        std::string(method) + " < " + input);
+    CHECK(json_lines(output.out).front().at("status") == "ok");
+    CHECK(output.exit_code == 1);
+  }
+}
+
 TEST_CASE("the help has an example") {
   const ProgramOutput output = run_tagsmith("localize --help");
   CHECK(output.exit_code == 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/localize/smooth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -250,6 +251,30 @@ TEST_CASE("rows before the first fix and after the last are predicted too") {
     CHECK(pose(5, 5) == doctest::Approx(std::pow(radians(2), 2)));
     CHECK(std::abs((*smoothed)[row].position_in_grid->y() - 0.1 * static_cast<double>(row)) < 0.01);
   }
+}
+
+TEST_CASE("a predicted position relies on its neighbour, not on what was measured in its own row") {
+  Drive drive;
+  for (int row = 0; row < 10; ++row) {
+    add_row(drive, 0.1 * row, {0, 0.1 * row, 0});
+    const double aside = row == 5 ? 3 : 0;  // contradicts the motion
+    locate_last(drive, {aside, 0.1 * row, 0, 0}, 1e-6 * Eigen::Matrix4d::Identity());
+    Fix& fix = drive.fixes.back();
+    fix.tags = {row % 2 == 0 ? "000L" : "001L"};
+    fix.notes = {kOneTagOnly};
+    fix.unconfirmed = "its photo may be of another moment";
+    fix.unchecked = {{}};
+    fix.chi_square = 7;
+    fix.degrees_of_freedom = 5;
+  }
+  const Fix predicted = smooth_fixes(drive.fixes, drive.run, hall(), level_rig()).value()[5];
+  REQUIRE(predicted.predicted);
+  CHECK(predicted.confirmations == 0);
+  CHECK(predicted.unchecked.empty());
+  CHECK(predicted.degrees_of_freedom == 0);
+  CHECK(std::ranges::count(predicted.notes, std::string(kOneTagOnly)) == 0);
+  for (Fix& fix : drive.fixes) fix.unconfirmed.clear();
+  CHECK(smooth_fixes(drive.fixes, drive.run, hall(), level_rig()).value()[5].confirmations == 1);
 }
 
 TEST_CASE("a lone wrong fix at the start loses against those that follow") {

@@ -22,6 +22,16 @@ TEST_CASE("a value changes, and nothing else") {
         "survey: a  # spacing: 3\ntags:\n  # the gap\n  spacing: 1.25   # W_B\n  pairs: 8\n");
 }
 
+TEST_CASE("an item is added behind one whose dash stands on a line of its own") {
+  for (const char* item : {"  -\n    tag: 002L\n    tilt: -0.0\n", "  - # a - b\n    tag: 002L\n",
+                           "  - tag: 002L\n    tilt: -0.0\n"}) {
+    CAPTURE(std::string(item));
+    const std::string text = "placed:\n" + std::string(item);
+    CHECK(edit_yaml_list(text, "placed", {}, {"{ tag: 003L }"}).value() ==
+          text + "  - { tag: 003L }\n");
+  }
+}
+
 TEST_CASE("a missing key becomes the first, in block and in flow maps") {
   CHECK(edited("tags:\n  spacing: 0.4\n", {{{"tags"}, "theta", "20", ""}}) ==
         "tags:\n  theta: 20\n  spacing: 0.4\n");

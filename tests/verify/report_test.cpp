@@ -155,6 +155,26 @@ TEST_CASE("a file that is no output of verify is refused, a line cut short is no
   CHECK(run_tagsmith("report " + kSurvey + " " + cut).exit_code == 1);
 }
 
+TEST_CASE("lines of an earlier survey are judged by their codes against the present one") {
+  const TemporaryFolder folder;
+  const std::string lines = (folder.path() / "lines.jsonl").string();
+  const std::string tag =
+      R"({"digits":"019000000404","corners":[[9,9],[99,9],[99,59],[9,59]],"tag":"000L","status":")";
+  for (const auto& [status, rule] : {std::pair("unknown", "not-in-survey"),
+                                     {"doubtful", "contradiction"},
+                                     {"misplaced", "misplaced"}}) {
+    CAPTURE(std::string(status));
+    std::ofstream(lines)
+        << R"({"file":"a.jpg","survey":"corridor","revision":"000000000000","tags":[)" << tag
+        << status << R"(","rule":")" << rule
+        << R"(","message":"raise it by 40 mm"}],"findings":[]})"
+        << "\n";
+    const ProgramOutput report = run_tagsmith("report " + kSurvey + " " + lines);
+    CHECK(report.out.find("raise it by 40 mm") == std::string::npos);
+    CHECK_MESSAGE(report.out.find("0 faults") != std::string::npos, report.out);
+  }
+}
+
 TEST_CASE("chainages of a long drive's map stand clear of its tags") {
   const Verified verified;
   REQUIRE(write_file(verified.path("long.yaml"), R"(survey: long
