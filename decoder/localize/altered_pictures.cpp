@@ -133,7 +133,8 @@ Alteration reversal(const Cameras& cameras, const Rig& rig, bool across, bool do
       reverse(*seen.seen_corners, camera->camera, across, down);
     }
   };
-  const char* what = !across ? "mirrored top to bottom: mirror them back"
+  const char* what = !across
+                         ? "mirrored top to bottom: mirror them back, or vehicle.height is wrong"
                      : !down ? "mirrored left to right: mirror them back"
                              : "turned by 180 degrees: turn them, or state the camera's roll";
   const std::string whose = cameras.size() == rig.cameras.size()

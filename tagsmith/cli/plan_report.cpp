@@ -116,7 +116,8 @@ std::string limit_text(double all, double most, const char* unit, double scale) 
 std::string speed_text(const PlannedDrive& drive) {
   if (!std::isfinite(drive.summary.travel_all)) return kNoPosition;
   if (!has_exposure(drive.rig)) {
-    return "not known: the rig's cameras have no exposure; during it the vehicle may move " +
+    return "not known: not every camera of the rig states its exposure; during it the vehicle may "
+           "move " +
            limit_text(drive.summary.travel_all, drive.summary.travel_most, "mm", 1000);
   }
   return limit_text(drive.summary.speed_all, drive.summary.speed_most, "m/s", 1);
@@ -201,14 +202,22 @@ std::string plan_heading(const PlannedDrive& drive) {
 std::vector<std::string> plan_assumptions(const PlannedDrive& drive) {
   std::vector<std::string> all =
       assumptions(std::span(&drive.survey, 1), drive.rig, drive.plan.options.speed);
-  std::vector<std::string> unstated;
-  for (const RigCamera& camera : drive.rig.cameras) {
-    if (!camera.blur_px) unstated.push_back(camera.name);
-  }
-  if (!unstated.empty()) {
-    all.push_back(fmt::format("rig {} states no blur_px of camera {}: {} pixel assumed",
-                              drive.rig.name, fmt::join(unstated, ", "),
-                              format_number(kUsualBlurPx)));
+  const auto add = [&](const char* key, const auto& is_stated, const std::string& assumed) {
+    std::vector<std::string> unstated;
+    for (const RigCamera& camera : drive.rig.cameras) {
+      if (!is_stated(camera)) unstated.push_back(camera.name);
+    }
+    if (unstated.empty()) return;
+    all.push_back(fmt::format("rig {} states no {} of camera {}: {} assumed", drive.rig.name, key,
+                              fmt::join(unstated, ", "), assumed));
+  };
+  add(
+      "blur_px", [](const RigCamera& camera) { return camera.blur_px.has_value(); },
+      format_number(kUsualBlurPx) + " pixel");
+  if (const double speed = drive.plan.speed; speed > 0) {
+    add(
+        "exposure", [](const RigCamera& camera) { return camera.exposure.has_value(); },
+        fmt::format("pictures as sharp at {} m/s as standing still", format_number(speed)));
   }
   return all;
 }
