@@ -235,6 +235,19 @@ std::string camera_of_other_place(const MountingFit& fit, const Rig& rig) {
   return {};
 }
 
+// Says which photos could not be read; whether there are any.
+bool report_lacking_pictures(const std::vector<Observation>& rows) {
+  bool lacks = false;
+  for (const Observation& row : rows) {
+    if (!row.lacks_picture) continue;
+    lacks = true;
+    for (const std::string& fault : row.faults) {
+      to_stderr("tagsmith calibrate: row {}: {}\n", row.id, fault);
+    }
+  }
+  return lacks;
+}
+
 }  // namespace
 
 Result<int> calibrate_mounting(const CalibrateMountingOptions& options) {
@@ -245,6 +258,7 @@ Result<int> calibrate_mounting(const CalibrateMountingOptions& options) {
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
   std::vector<Observation> rows =
       observe_run(input->run, surveys, input->rig, reader, options.jobs);
+  const bool lacks_pictures = report_lacking_pictures(rows);
   const auto refuse = [&](const std::string& why) {
     to_stderr("tagsmith calibrate: {}: {}\n", options.run.string(), why);
     return kExitFindings;
@@ -262,7 +276,8 @@ Result<int> calibrate_mounting(const CalibrateMountingOptions& options) {
   }
   std::string doubt = camera_of_contradictions(*fit);
   if (doubt.empty()) doubt = camera_of_other_place(*fit, input->rig);
-  return doubt.empty() ? kExitOk : refuse("do not rely on this mounting: " + doubt);
+  if (!doubt.empty()) return refuse("do not rely on this mounting: " + doubt);
+  return lacks_pictures ? kExitFindings : kExitOk;
 }
 
 }  // namespace tagsmith::detail

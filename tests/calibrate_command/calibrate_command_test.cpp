@@ -427,6 +427,25 @@ TEST_CASE("photos of one camera that are mirrored top to bottom make no mounting
       output.err);
 }
 
+TEST_CASE("photos of a drive that cannot be read are named and are a finding") {
+  const TemporaryFolder folder;
+  const std::string photos = fs::absolute("surveys/corridor/photos").string();
+  std::string rows = "id,left,right\n";
+  for (int row = 1; row <= 10; ++row) {
+    const std::string right =
+        row == 4 ? "nope.jpg" : fmt::format("{}/corridor_{:02}_right.jpg", photos, row);
+    rows += fmt::format("{},{}/corridor_{:02}_left.jpg,{}\n", row, photos, row, right);
+  }
+  const fs::path run = folder.path() / "run.csv";
+  REQUIRE(write_file(run, rows));
+  const ProgramOutput output = run_tagsmith(
+      "calibrate --survey surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --run '" +
+      run.string() + "'");
+  CHECK(output.exit_code == 1);
+  CHECK_MESSAGE(output.err.find("row 4: ") != std::string::npos, output.err);
+  CHECK_MESSAGE(output.err.find("nope.jpg: no such file") != std::string::npos, output.err);
+}
+
 TEST_CASE("rows with a photo of another row make no mounting") {
   // Plates could give way a little each, and the right camera be where the mean of the rows has it.
   const TemporaryFolder folder;
