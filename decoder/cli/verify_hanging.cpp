@@ -120,6 +120,24 @@ bool any_names_lens(const std::vector<std::filesystem::path>& files) {
   });
 }
 
+// Which tags that fit are known too badly to show that they are off by the tolerance; or empty.
+std::string too_unsure_in_words(const HungTags& hung, double tolerance) {
+  constexpr std::size_t kMostNamed = 10;
+  std::vector<std::string> unsure;
+  for (const HungTag& tag : hung.tags) {
+    const bool tells = tag.offset.sigma.head<2>().maxCoeff() <= tolerance;
+    if (tag.verdict == HangVerdict::fits && !tells) unsure.push_back(tag.tag);
+  }
+  if (unsure.empty()) return {};
+  const std::size_t count = unsure.size();
+  unsure.resize(std::min(count, kMostNamed));
+  return fmt::format(
+      "{} that {} may be off by more than the tolerance of {} mm: one standard deviation is more "
+      "than that ({}{}); photos from nearer, or a rig that is better known, would tell",
+      counted(count, "tag"), count == 1 ? "fits" : "fit", format_number(1000 * tolerance),
+      fmt::join(unsure, ", "), count > kMostNamed ? " ..." : "");
+}
+
 Result<std::optional<HungTags>> check_hanging(const char* command, const Survey& survey,
                                               std::optional<LoadedHanging>& hanging,
                                               const EachFile& files) {
@@ -141,6 +159,9 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
         "show two "
         "tags and more; the tags calibrate it\n",
         command);
+  }
+  if (std::string unsure = too_unsure_in_words(*hung, hanging->setup.tolerance); !unsure.empty()) {
+    hung->notes.insert(hung->notes.begin(), std::move(unsure));
   }
   for (const std::string& note : hung->notes) to_stderr("tagsmith {}: {}\n", command, note);
   print_assumptions(command, hung->assumed);

@@ -330,6 +330,7 @@ Result<Drafted> make_draft(const NewOptions& options) {
   draft.source = fs::path(options.points).filename().string();
   drafted.metres_per_unit = list->metres_per_unit;
   draft.of_export = list->survey.has_value();
+  if (list->survey) draft.angle_sigma = list->survey->angle_sigma;
   draft.template_name = template_of(options, *list);
   draft.grid = list->survey ? list->survey->grid : Grid{options.x_axis == "left"};
   if (!draft.grid.x_axis_left) draft.grid.epsg = list->epsg;

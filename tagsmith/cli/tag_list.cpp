@@ -366,6 +366,8 @@ std::string tags_csv(const Survey& survey) {
                    degrees(tag.attitude ? tag.attitude->tilt : 0),
                    degrees(tag.attitude ? tag.attitude->roll : 0)});
     add(listed_plate(survey.tag_template));
+    row.push_back(survey.states_angle_sigma ? format_number(degrees(survey.angle_sigma)) : "");
+    row.push_back(tag.control ? "yes" : "");
     csv += csv_row(row);
   }
   return csv;

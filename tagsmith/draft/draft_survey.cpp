@@ -218,7 +218,9 @@ std::string tags_text(const SurveyDraft& draft) {
         "                 # rounded up to a millimetre. Your instrument may tell better.\n",
         format_number(mm / 1000), scatter->of, 1000 * scatter->sigma);
   }
-  if (const auto angle = angle_sigma_of(draft)) {
+  if (draft.angle_sigma) {
+    text += "  angle_sigma: " + format_number(degrees(*draft.angle_sigma)) + "\n";
+  } else if (const auto angle = angle_sigma_of(draft)) {
     text += fmt::format("  angle_sigma: {}   # of the plates' direction, degrees: {}\n",
                         format_number(angle->sigma), angle->why);
   }
@@ -250,6 +252,7 @@ std::string placed_text(const SurveyDraft& draft, const SurveyedPoint& point) {
   if (!point.digits.empty()) text += ", digits: \"" + point.digits + "\"";
   if (point.sigma) text += ", sigma: " + format_number(*point.sigma);
   if (!point.date.empty()) text += ", date: " + point.date;
+  if (point.control) text += ", control: true";
   if (point.design_in_grid) text += ", design: " + joined(*point.design_in_grid);
   return text + attitude_keys(draft, point) + " }\n";
 }

@@ -32,6 +32,7 @@ struct SurveyDraft {
   TunnelFit fit;
   std::vector<SurveyedPoint> points;  // their tags become `placed`
   std::optional<TagSeries> series;    // proposed, where no plate hangs yet
+  std::optional<double> angle_sigma;  // as the list states it, radians
   bool of_export = false;             // the points are those of a survey, computed or not
 };
 

@@ -202,6 +202,7 @@ std::optional<SurveyedPoint> read_own_point(const ListRow& row, const PointListO
   point.attitude = read_attitude(row);
   point.sigma = row.optional_number("sigma");
   point.date = row.text("date");
+  point.control = row.text("control") == "yes";
   if (!row.text("design_x").empty()) point.design_in_grid = row.point("design_");
   if (!point.tag || !in_grid) return std::nullopt;
   point.kind = kind_of(point.tag->side);
@@ -242,6 +243,9 @@ std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
     }
     survey.plate = plate;
   }
+  if (const auto degrees = row.optional_number("angle_sigma")) {
+    survey.angle_sigma = radians(std::clamp(*degrees, 0.0, 45.0));
+  }
   if (!complete) return std::nullopt;
   survey.code.check = *check;
   survey.grid.x_axis_left = axis == "left";
@@ -250,7 +254,7 @@ std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
 
 // What every row repeats.
 std::vector<std::string> repeated_columns() {
-  std::vector<std::string> columns = split("template,check_digit,x_axis", ',');
+  std::vector<std::string> columns = split("template,check_digit,x_axis,angle_sigma", ',');
   for (const char* axis : {"x", "y", "z"}) {
     for (const char* of : {"digits_", "resolution_", "origin_"}) {
       columns.push_back(of + std::string(axis));
@@ -273,9 +277,9 @@ bool repeats(const ListRow& row, const ListRow& first, FindingLog& log) {
   return true;
 }
 
-// The columns that own lists of older versions have: without the plates' attitudes, and without
-// their sizes.
-constexpr std::array<std::size_t, 2> kOldColumns{27, 30};
+// The columns that own lists of older versions have: without the plates' attitudes, without their
+// sizes, and without how well attitudes are known.
+constexpr std::array<std::size_t, 3> kOldColumns{27, 30, 34};
 
 void check_own_header(const std::vector<std::string>& fields, int line,
                       std::vector<std::string>& columns, FindingLog& log) {
@@ -595,7 +599,7 @@ std::vector<std::string> own_columns() {
       "tag,side,digits,x,y,z,chainage,offset,height,sigma,date,design_x,design_y,design_z,template,"
       "check_digit,digits_x,digits_y,digits_z,resolution_x,resolution_y,resolution_z,origin_x,"
       "origin_y,origin_z,x_axis,tunnel_height,facing,tilt,roll,plate_length,plate_height,"
-      "frame_length,frame_height",
+      "frame_length,frame_height,angle_sigma,control",
       ',');
 }
 

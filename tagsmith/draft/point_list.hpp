@@ -46,6 +46,7 @@ struct SurveyedPoint {
   std::optional<double> tunnel_height;
   std::optional<PlateAttitude> attitude;  // where the list says it
   std::optional<double> sigma;
+  bool control = false;
   std::string date;
   std::optional<Eigen::Vector3d> design_in_grid;
 };

@@ -15,6 +15,8 @@ struct ListedSurvey {
   // Length and height of the plate, and inner ones of its frame, metres; lists of older versions do
   // not have them.
   std::optional<std::array<double, 4>> plate;
+  // Of the plates' attitudes, radians, where the list states it.
+  std::optional<double> angle_sigma{};
   PositionCode code;
   Grid grid;
 };

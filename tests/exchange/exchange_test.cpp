@@ -1073,6 +1073,18 @@ TEST_CASE("fields that no column is for, and a first point that was to name colu
             .exit_code == 0);
 }
 
+TEST_CASE("a list of export keeps how well attitudes are known, and which tags are control tags") {
+  const TemporaryFolder folder;
+  Survey listed = load_survey("surveys/drift/survey.yaml").value();
+  listed.angle_sigma = radians(2);
+  listed.tags[3].control = true;
+  REQUIRE(draft(folder.path(), tags_csv(listed), "--order own").exit_code == 0);
+  const Survey made = load_survey(folder.path() / "out" / "survey.yaml").value();
+  CHECK(made.states_angle_sigma);
+  CHECK(made.angle_sigma == Approx(radians(2)));
+  for (std::size_t i = 0; i < made.tags.size(); ++i) CHECK(made.tags[i].control == (i == 3));
+}
+
 TEST_CASE("a tag of a list of export is left out by its name") {
   const TemporaryFolder folder;
   const std::string list = tags_csv(load_survey("surveys/corridor/survey.yaml").value());

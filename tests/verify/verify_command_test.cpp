@@ -973,6 +973,19 @@ TEST_CASE("two runs are merged into a report, and a third skips what they did") 
   CHECK(endless.err.find("64 MiB") != std::string::npos);
 }
 
+TEST_CASE("tags that are known to worse than the tolerance are named") {
+  const std::string command =
+      "verify surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --run "
+      "surveys/corridor/run.csv";
+  const std::string words = "may be off by more than the tolerance of 2 mm";
+  CHECK(run_tagsmith(command).err.find("may be off") == std::string::npos);
+  CHECK(run_tagsmith(command + " --tolerance 2").err.find(words) != std::string::npos);
+  const json summary =
+      json_lines(run_tagsmith(command + " --tolerance 2 --json").out).back().at("summary");
+  REQUIRE(summary.at("hanging_notes").size() == 1);
+  CHECK(summary.at("hanging_notes")[0].get<std::string>().find(words) != std::string::npos);
+}
+
 TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {
   for (const std::string& arguments :
        {std::string("verify"), "verify " + kSurvey, "verify no-such.yaml " + kPhotos,
