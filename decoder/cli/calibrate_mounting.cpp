@@ -236,7 +236,7 @@ std::string camera_of_other_place(const MountingFit& fit, const Rig& rig) {
 }
 
 // Says which photos could not be read; whether there are any.
-bool report_lacking_pictures(const std::vector<Observation>& rows) {
+bool report_unread_photos(const std::vector<Observation>& rows) {
   bool lacks = false;
   for (const Observation& row : rows) {
     if (!row.lacks_picture) continue;
@@ -258,7 +258,7 @@ Result<int> calibrate_mounting(const CalibrateMountingOptions& options) {
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
   std::vector<Observation> rows =
       observe_run(input->run, surveys, input->rig, reader, options.jobs);
-  const bool lacks_pictures = report_lacking_pictures(rows);
+  const bool lacks_pictures = report_unread_photos(rows);
   const auto refuse = [&](const std::string& why) {
     to_stderr("tagsmith calibrate: {}: {}\n", options.run.string(), why);
     return kExitFindings;

@@ -982,7 +982,7 @@ TEST_CASE("tags that are known to worse than the tolerance are named") {
   CHECK(run_tagsmith(command + " --tolerance 2").err.find(words) != std::string::npos);
   const json summary =
       json_lines(run_tagsmith(command + " --tolerance 2 --json").out).back().at("summary");
-  REQUIRE(summary.at("hanging_notes").size() == 1);
+  REQUIRE_FALSE(summary.at("hanging_notes").empty());
   CHECK(summary.at("hanging_notes")[0].get<std::string>().find(words) != std::string::npos);
 }
 
