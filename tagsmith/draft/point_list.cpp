@@ -376,6 +376,10 @@ std::optional<char> separator_of(std::string_view text, std::size_t least, Findi
                    "--order says all columns of the file, - for those to skip");
 }
 
+bool is_coordinate_column(std::string_view column) {
+  return column == "x" || column == "y" || column == "z";
+}
+
 // Whether fields follow that no column is for, and that do not continue a description.
 bool has_more_fields(const std::vector<std::string>& fields,
                      const std::vector<std::string>& columns) {
@@ -389,8 +393,7 @@ bool is_point(const std::vector<std::string>& fields, const std::vector<std::str
   if (fields.size() < columns.size()) return false;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::string& column = columns[i];
-    const bool is_coordinate = column == "x" || column == "y" || column == "z";
-    if (is_coordinate && !parse_number(fields[i])) return false;
+    if (is_coordinate_column(column) && !parse_number(fields[i])) return false;
     const std::string code = column == "code" ? code_of(fields[i]) : "";
     if (column == "code" && !kind_of(code) && !parse_tag_name(code)) return false;
   }
@@ -406,13 +409,13 @@ bool has_decimal_commas(const std::vector<std::string>& fields,
   std::size_t next = 0;
   std::size_t coordinates = 0;
   for (const std::string& column : columns) {
-    const bool is_coordinate = column == "x" || column == "y" || column == "z";
-    if (is_coordinate && (next + 1 >= fields.size() || !parse_integer(fields[next]) ||
-                          !are_digits(fields[next + 1]))) {
+    if (is_coordinate_column(column) &&
+        (next + 1 >= fields.size() || !parse_integer(fields[next]) ||
+         !are_digits(fields[next + 1]))) {
       return false;
     }
-    coordinates += is_coordinate ? 1 : 0;
-    next += is_coordinate ? 2 : 1;
+    coordinates += is_coordinate_column(column) ? 1 : 0;
+    next += is_coordinate_column(column) ? 2 : 1;
   }
   return coordinates > 0 && next == fields.size();
 }

@@ -105,6 +105,15 @@ const GoodRun& good_run() {
   return run;
 }
 
+// The corridor's rig calibrated by a run of these rows.
+ProgramOutput mounting_by(const fs::path& folder, const std::string& rows) {
+  const fs::path run = folder / "run.csv";
+  REQUIRE(write_file(run, rows));
+  return run_tagsmith(
+      "calibrate --survey surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --run '" +
+      run.string() + "'");
+}
+
 }  // namespace
 
 TEST_CASE("good photos make a camera within its sigmas") {
@@ -416,11 +425,7 @@ TEST_CASE("photos of one camera that are mirrored top to bottom make no mounting
     REQUIRE(write_file(left, mirrored));
     rows += fmt::format("{},{},{}/corridor_{:02}_right.jpg\n", row, left.string(), photos, row);
   }
-  const fs::path run = folder.path() / "run.csv";
-  REQUIRE(write_file(run, rows));
-  const ProgramOutput output = run_tagsmith(
-      "calibrate --survey surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --run '" +
-      run.string() + "'");
+  const ProgramOutput output = mounting_by(folder.path(), rows);
   CHECK(output.exit_code == 1);
   CHECK_MESSAGE(
       output.err.find("the photos of camera left are mirrored top to bottom") != std::string::npos,
@@ -436,11 +441,7 @@ TEST_CASE("photos of a drive that cannot be read are named and are a finding") {
         row == 4 ? "nope.jpg" : fmt::format("{}/corridor_{:02}_right.jpg", photos, row);
     rows += fmt::format("{},{}/corridor_{:02}_left.jpg,{}\n", row, photos, row, right);
   }
-  const fs::path run = folder.path() / "run.csv";
-  REQUIRE(write_file(run, rows));
-  const ProgramOutput output = run_tagsmith(
-      "calibrate --survey surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --run '" +
-      run.string() + "'");
+  const ProgramOutput output = mounting_by(folder.path(), rows);
   CHECK(output.exit_code == 1);
   CHECK_MESSAGE(output.err.find("row 4: ") != std::string::npos, output.err);
   CHECK_MESSAGE(output.err.find("nope.jpg: no such file") != std::string::npos, output.err);
