@@ -199,7 +199,9 @@ Command report_command() {
   };
   for (CommandOption& option : command.options) {
     const std::string& name = option.names;
-    if (name == "--pdf" || name == "--csv" || name == "--rig") option.excludes = {"--ledger"};
+    const bool is_of_lines =
+        name == "--pdf" || name == "--csv" || name == "--rig" || name == "--tolerance";
+    if (is_of_lines) option.excludes.push_back("--ledger");
   }
   return command;
 }

@@ -247,8 +247,8 @@ constexpr const char* kLegend =
     "<li>Clean: light is lost, and the edges of the bars are where they belong. Print anew: the "
     "edges moved, or elements are torn; cleaning does not bring them back.</li>\n"
     "<li>Look: photos show the plates on both sides, and not this one, on two days or "
-    "more; or it failed on the last day alone; or dates, distances or the camera may be what "
-    "changed.</li>\n</ul></details>\n";
+    "more; or it failed on the last day alone; or it or another plate hangs wrong; or "
+    "dates, distances or the camera may be what changed.</li>\n</ul></details>\n";
 
 std::string ledger_page(const Survey& survey, const LedgerReport& report) {
   return page_head("Ledger of " + markup_text(survey.name),
@@ -385,6 +385,12 @@ Day last_possible_day() {
 }
 
 Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
+  // First, so that a name with a mistake makes no ledger.
+  for (const std::string& lines : options.lines) {
+    if (const auto whole = read_own_lines(lines, [](const VerifiedFile&) {}); !whole) {
+      return fail(whole);
+    }
+  }
   Result<LedgerWriter> ledger = LedgerWriter::open(options.ledger, survey.name);
   if (!ledger) return fail(ledger);
   for (const std::string& lines : options.lines) {
@@ -399,6 +405,19 @@ Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
   if (auto written = ledger->flush(); !written) return written;
   ledger->print_tally();
   return {};
+}
+
+// A report of nothing would look like one of a tunnel in order.
+Result<void> check_has_survey(const LedgerOptions& options, const Survey& survey,
+                              const Ledger& ledger) {
+  const Result<std::vector<std::string>> names = ledger.surveys();
+  if (!names) return fail(names);
+  if (names->empty() || std::ranges::find(*names, survey.name) != names->end()) return {};
+  return fail(
+      fmt::format("{}: has no photos of the survey {}, but of {}: give that survey, or enter "
+                  "photos of this one "
+                  "with `tagsmith verify --ledger`",
+                  options.ledger, survey.name, fmt::join(*names, ", ")));
 }
 
 }  // namespace
@@ -460,7 +479,11 @@ Result<int> report_ledger(const LedgerOptions& options) {
   CommandFiles files;
   files.reads(*survey);
   for (const std::string& lines : options.lines) files.reads(lines, "the lines");
-  add_ledger_files(options.ledger, files);
+  if (options.lines.empty()) {
+    files.reads(options.ledger, "--ledger");
+  } else {
+    add_ledger_files(options.ledger, files);
+  }
   files.writes(options.html, "--html");
   if (const auto usable = files.check(); !usable) return fail(usable);
   if (!options.lines.empty()) {
@@ -470,6 +493,7 @@ Result<int> report_ledger(const LedgerOptions& options) {
   }
   const Result<Ledger> ledger = Ledger::open_to_read(options.ledger);
   if (!ledger) return fail(ledger);
+  if (const auto has = check_has_survey(options, *survey, *ledger); !has) return fail(has);
   const Result<LedgerReport> report = make_ledger_report(*survey, *ledger, last_possible_day());
   if (!report) return fail(report);
   if (!options.html.empty()) {

@@ -24,7 +24,7 @@ using namespace std::string_view_literals;
 
 // "tags", the number that distinguishes a ledger from other SQLite databases.
 constexpr std::uint32_t kApplication = 0x74616773;
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr int kPatience = 60'000;  // milliseconds for which others may keep the file locked
 
 // The tables of docs/formats.md, which says for other readers what the columns mean.
@@ -59,9 +59,19 @@ CREATE TABLE plate (
   right_mm REAL,
   up_mm REAL,
   out_mm REAL,
+  right_sigma_mm REAL,
+  up_sigma_mm REAL,
+  out_sigma_mm REAL,
   PRIMARY KEY (photo, place)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX plate_by_tag ON plate (tag);
+)sql";
+
+constexpr const char* kFromVersion1 = R"sql(
+ALTER TABLE plate ADD COLUMN right_sigma_mm REAL;
+ALTER TABLE plate ADD COLUMN up_sigma_mm REAL;
+ALTER TABLE plate ADD COLUMN out_sigma_mm REAL;
+PRAGMA user_version = 2;
 )sql";
 
 std::string in_words(sqlite3* database, int code) {
@@ -219,7 +229,8 @@ std::optional<PhotoLine> line_of(const VerifiedFile& verified) {
 
 int insert(sqlite3* database, sqlite3_int64 photo, std::size_t place, const VerifiedTag& tag) {
   Statement row(database,
-                "INSERT INTO plate VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                "INSERT INTO plate VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+                "?, ?)");
   row.put_whole(photo).put_whole(static_cast<sqlite3_int64>(place)).put(tag.tag);
   row.put(tag.digits ? to_string(*tag.digits) : "").put(to_string(tag.finding.status));
   row.put(tag.finding.rule).put(tag.finding.message);
@@ -231,10 +242,15 @@ int insert(sqlite3* database, sqlite3_int64 photo, std::size_t place, const Veri
     row.put(mean ? mean->value : std::nullopt);
   }
   row.put(tag.hung ? to_string(tag.hung->verdict) : "");
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const bool is_measured = tag.hung && tag.hung->offset.sigma.norm() > 0;
-    row.put(is_measured ? std::optional(1e3 * tag.hung->offset.value[i]) : std::nullopt);
-  }
+  const bool is_measured = tag.hung && tag.hung->offset.sigma.norm() > 0;
+  const auto put_millimetres = [&](const Eigen::Vector3d& metres) {
+    for (const double metre : metres) {
+      row.put(is_measured ? std::optional(1e3 * metre) : std::nullopt);
+    }
+  };
+  const Measured3 offset = tag.hung ? tag.hung->offset : Measured3{};
+  put_millimetres(offset.value);
+  put_millimetres(offset.sigma);
   row.step();
   return row.failed();
 }
@@ -254,9 +270,13 @@ PlateSighting sighting_of(const Statement& row) {
     seen.values[i] = row.number(9 + static_cast<int>(i));
   }
   seen.hanging = row.text(13);
-  if (row.number(14)) {
-    seen.offset_mm = {*row.number(14), row.number(15).value_or(0), row.number(16).value_or(0)};
-  }
+  const auto triple = [&](int first) -> std::optional<std::array<double, 3>> {
+    if (!row.number(first)) return std::nullopt;
+    return std::array{*row.number(first), row.number(first + 1).value_or(0),
+                      row.number(first + 2).value_or(0)};
+  };
+  seen.offset_mm = triple(14);
+  seen.offset_sigma_mm = triple(19);
   seen.revision = row.text(17);
   seen.entry = row.whole(18);
   return seen;
@@ -301,16 +321,24 @@ Result<Ledger> Ledger::open_to_read(const fs::path& path) {
   return open(path, SQLITE_OPEN_READWRITE);
 }
 
+Result<std::uint32_t> Ledger::version() const {
+  Statement version(database_.get(), "PRAGMA user_version");
+  if (!version.step()) return failure(path_, database_.get(), version.failed());
+  return static_cast<std::uint32_t>(version.whole(0));
+}
+
 Result<void> Ledger::make_tables() const {
   sqlite3* database = database_.get();
   Transaction transaction(database);
   if (transaction.begun() != SQLITE_OK) return failure(path_, database, transaction.begun());
-  Statement version(database, "PRAGMA user_version");
-  if (!version.step()) return failure(path_, database, version.failed());
-  if (version.whole(0) == kVersion) return {};  // another process was first
-  if (version.whole(0) != 0) return newer(path_, static_cast<std::uint32_t>(version.whole(0)));
-  const std::string sql = fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}; {}",
-                                      kApplication, kVersion, kTables);
+  const Result<std::uint32_t> present = version();
+  if (!present) return fail(present);
+  if (*present == kVersion) return {};  // another process was first
+  if (*present > kVersion) return newer(path_, *present);
+  const std::string sql =
+      *present == 1 ? kFromVersion1
+                    : fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}; {}",
+                                  kApplication, kVersion, kTables);
   if (const int code = execute(database, sql.c_str()); code != SQLITE_OK) {
     return failure(path_, database, code);
   }
@@ -410,14 +438,26 @@ Result<LedgerCounts> Ledger::count_photos(const std::string& survey, const std::
   return LedgerCounts{count(0), count(1), count(2), count(3), count(4), count(5)};
 }
 
+Result<std::vector<std::string>> Ledger::surveys() const {
+  Statement row(database_.get(), "SELECT DISTINCT survey FROM photo ORDER BY survey");
+  std::vector<std::string> names;
+  while (row.step()) names.push_back(row.text(0));
+  if (row.failed() != SQLITE_OK) return failure(path_, database_.get(), row.failed());
+  return names;
+}
+
 Result<void> Ledger::for_each_sighting(
     const std::string& survey, const std::function<void(const PlateSighting&)>& take) const {
-  Statement row(database_.get(),
-                "SELECT tag, digits, taken, up_known, status, rule, message, module_px, grade, "
-                "contrast, modulation, decodability, defects, hanging, right_mm, up_mm, out_mm, "
-                "revision, photo.id "
-                "FROM plate JOIN photo ON photo.id = plate.photo WHERE survey = ? "
-                "ORDER BY tag, taken, sha256, place");
+  const Result<std::uint32_t> present = version();
+  if (!present) return fail(present);
+  const std::string sql = fmt::format(
+      "SELECT tag, digits, taken, up_known, status, rule, message, module_px, grade, "
+      "contrast, modulation, decodability, defects, hanging, right_mm, up_mm, out_mm, "
+      "revision, photo.id, {} "
+      "FROM plate JOIN photo ON photo.id = plate.photo WHERE survey = ? "
+      "ORDER BY tag, taken, sha256, place",
+      *present < 2 ? "NULL, NULL, NULL" : "right_sigma_mm, up_sigma_mm, out_sigma_mm");
+  Statement row(database_.get(), sql.c_str());
   row.put(survey, false);
   while (row.step()) take(sighting_of(row));
   if (row.failed() != SQLITE_OK) return failure(path_, database_.get(), row.failed());

@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "decoder/verify/verified_file.hpp"
 #include "tagsmith/base/result.hpp"
@@ -38,6 +39,7 @@ struct PlateSighting {
   WearValues values{};
   std::string hanging;  // verdict; empty = not judged
   std::optional<std::array<double, 3>> offset_mm;
+  std::optional<std::array<double, 3>> offset_sigma_mm;  // nothing = entered by version 1
   std::string revision;  // of the survey that it was verified against
   long entry = 0;        // of the photo: greater than those of photos that were entered before
 };
@@ -66,7 +68,8 @@ class Ledger {
   struct StoredPhoto;
 
  public:
-  // Makes the file where there is none. Fails without touching the file when it is no ledger, or
+  // Makes the file where there is none, and adds the columns that one of an earlier version lacks.
+  // Fails without touching the file when it is no ledger, or
   // one of a newer version, and when it cannot be written.
   static Result<Ledger> open_to_write(const std::filesystem::path& path);
 
@@ -84,6 +87,9 @@ class Ledger {
   Result<LedgerCounts> count_photos(const std::string& survey, const std::string& last,
                                     const std::string& revision) const;
 
+  // Names of the surveys of which there are photos.
+  Result<std::vector<std::string>> surveys() const;
+
   // Calls `take` with each sighting of the survey's plates, plate by plate.
   Result<void> for_each_sighting(const std::string& survey,
                                  const std::function<void(const PlateSighting&)>& take) const;
@@ -93,6 +99,7 @@ class Ledger {
       : path_(std::move(path)), database_(std::move(database)) {}
   static Result<Ledger> open(const std::filesystem::path& path, int flags);
   Result<void> make_tables() const;
+  Result<std::uint32_t> version() const;
   Result<void> write_photo(const std::string& survey, const VerifiedFile& file,
                            const std::string& result) const;
   Result<std::optional<StoredPhoto>> stored_photo(const std::string& survey,

@@ -111,6 +111,24 @@ std::optional<PlateAction> cure_of(std::string_view rule) {
   return value_named<PlateAction>(reported->action, kPlateActions);
 }
 
+// Whether an offset is more than its standard deviations explain by chance.
+bool is_significant(const std::array<double, 3>& offset, const std::array<double, 3>& sigma) {
+  constexpr double kSurely = 3;  // standard deviations
+  double squares = 0;
+  for (std::size_t i = 0; i < offset.size(); ++i) {
+    if (offset[i] != 0) squares += std::pow(offset[i] / sigma[i], 2);
+  }
+  return squares >= kSurely * kSurely;
+}
+
+// A drive that measures less exactly than the plate is off fits it wherever it hangs.
+bool shows_place_of(const PlateDay& day, const SeenFault& fault) {
+  if (!fault.offset_mm) return day.placed;
+  return std::ranges::any_of(day.placed_sigma_mm, [&](const std::array<double, 3>& sigma) {
+    return is_significant(*fault.offset_mm, sigma);
+  });
+}
+
 // Whether the fault would have been found on this day, on which the plate was in order. A photo
 // that shows a plate smaller than the fault was found at may not show the fault.
 bool tells(const PlateDay& day, const SeenFault& fault) {
@@ -119,7 +137,7 @@ bool tells(const PlateDay& day, const SeenFault& fault) {
     case TagStatus::misplaced:
     case TagStatus::doubtful:
     case TagStatus::duplicate:
-      return day.placed;
+      return shows_place_of(day, fault);
     case TagStatus::misprinted:
       return day.module_px >= kAsLarge * fault.module_px &&
              (!fault.finding.is_upside_down() || day.up_known);
@@ -157,6 +175,7 @@ FaultHistory trace_fault(const std::string& tag, const PlateHistory& history,
       traced = {std::nullopt, fault->second, day, std::nullopt};
       traced.open->module_px = std::min(before.module_px, traced.open->module_px);
       traced.open->entry = std::max(before.entry, traced.open->entry);
+      if (!traced.open->offset_mm) traced.open->offset_mm = before.offset_mm;
     } else if (traced.open && seen.in_order && tells(seen, *traced.open)) {
       if (seen.entry >= traced.open->entry) {
         traced = {MendedFault{tag, rule, traced.found, day}, {}, {}, {}};
@@ -374,7 +393,9 @@ void judge_faults(const PlateHistory& history, PlateState& state) {
                       message, to_text(*traced.found), to_text(*traced.in_order)),
           state);
     } else {
-      act(cure_of(rule).value_or(PlateAction::none), message, state);
+      const bool is_doubtful = traced.open->finding.status == TagStatus::doubtful;
+      act(is_doubtful ? PlateAction::look : cure_of(rule).value_or(PlateAction::none), message,
+          state);
     }
   }
 }
@@ -445,11 +466,18 @@ void add(const PlateSighting& seen, Day last, bool is_between_read, PlateHistory
     SeenFault& fault = found->second;
     fault.module_px = std::min(fault.module_px, seen.module_px);
     fault.entry = std::max(fault.entry, seen.entry);
+    if (seen.offset_mm && seen.offset_sigma_mm &&
+        is_significant(*seen.offset_mm, *seen.offset_sigma_mm)) {
+      fault.offset_mm = seen.offset_mm;
+    }
     return;
   }
   of_day.in_order = true;
   of_day.entry = std::max(of_day.entry, seen.entry);
-  of_day.placed = of_day.placed || seen.hanging == "fits";
+  if (seen.hanging == "fits") {
+    of_day.placed = true;
+    of_day.placed_sigma_mm.push_back(seen.offset_sigma_mm.value_or(std::array<double, 3>{}));
+  }
   of_day.up_known = of_day.up_known || seen.up_known;
   of_day.module_px = std::max(of_day.module_px, seen.module_px);
   if (seen.grade) of_day.samples.push_back({seen.module_px, *seen.grade, seen.values});

@@ -91,6 +91,8 @@ struct SeenFault {
   Finding finding;
   double module_px = 0;  // the least at which it was found
   long entry = 0;        // the last of these photos (PlateSighting::entry)
+  // From its surveyed place, where that is more than the standard deviation explains.
+  std::optional<std::array<double, 3>> offset_mm{};
 };
 
 // All photos of a plate of one day.
@@ -98,7 +100,9 @@ struct PlateDay {
   std::size_t read = 0;    // photos in which it was read, with a fault or without
   std::size_t unread = 0;  // that show plates on both sides read, and it not
   bool in_order = false;
-  bool placed = false;    // in order in a photo that showed where it hangs
+  bool placed = false;  // in order in a photo that showed where it hangs
+  // Standard deviations to which these photos showed it; one that does not say has zeros.
+  std::vector<std::array<double, 3>> placed_sigma_mm;
   bool up_known = false;  // in order in a photo whose up is known
   double module_px = 0;   // the widest in a photo in which it was in order
   long entry = 0;         // the last of the photos in which it was in order

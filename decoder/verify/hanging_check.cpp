@@ -21,10 +21,11 @@ namespace tagsmith::detail {
 
 namespace {
 
-// A tag that may show where it hangs: in the survey, and in this picture once.
+// A tag that may show where it hangs: in the survey, and in this picture once. What the picture by
+// itself makes doubtful is decided by where it hangs.
 bool shows_place(const VerifiedTag& tag) {
-  const Finding& found = tag.finding;
-  return found.status == TagStatus::ok || found.status == TagStatus::misplaced || found.doubts_up();
+  const TagStatus status = tag.finding.status;
+  return status == TagStatus::ok || status == TagStatus::misplaced || status == TagStatus::doubtful;
 }
 
 constexpr const char* kMixedPhotos = "mixed-photos";

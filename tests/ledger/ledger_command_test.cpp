@@ -62,6 +62,26 @@ TEST_CASE("photos of several days, verified again and again, are in the ledger o
   CHECK(read_file(page).value().find("2026-03-15") != std::string::npos);
 }
 
+TEST_CASE("a report of another survey's ledger, or of lines that are not there, is an error") {
+  const TemporaryFolder folder;
+  const fs::path ledger = folder.path() / "mine.db", none = folder.path() / "none.db";
+  run_tagsmith("verify " + kSurvey + kPhotos + "/corridor_01_left.jpg --ledger " + ledger.string());
+  const ProgramOutput other =
+      run_tagsmith("report surveys/curved/survey.yaml --ledger " + ledger.string());
+  CHECK(other.exit_code == 2);
+  CHECK(other.err.find("has no photos of the survey curved, but of corridor") != std::string::npos);
+  const ProgramOutput absent = run_tagsmith(
+      "report " + kSurvey + (folder.path() / "no.jsonl").string() + " --ledger " + none.string());
+  CHECK(absent.exit_code == 2);
+  CHECK_FALSE(fs::exists(none));
+  // What nobody may write can be read.
+  fs::permissions(ledger, fs::perms::owner_read);
+  CHECK(report(ledger.string())["photos"] == 1);
+  CHECK(
+      run_tagsmith("report " + kSurvey + "--tolerance 20 --ledger " + ledger.string()).exit_code ==
+      2);
+}
+
 TEST_CASE("lines give the ledger what the verification gave it") {
   const TemporaryFolder folder;
   const fs::path direct = folder.path() / "direct.db", later = folder.path() / "later.db";

@@ -39,7 +39,8 @@ inline std::string rows_of(const std::filesystem::path& ledger) {
   return query(ledger,
                "SELECT survey, sha256, file, taken, up_known, revision, program, result, place, "
                "tag, digits, status, rule, message, module_px, grade, contrast, modulation, "
-               "decodability, defects, hanging, right_mm, up_mm, out_mm FROM photo LEFT JOIN plate "
+               "decodability, defects, hanging, right_mm, up_mm, out_mm, right_sigma_mm, "
+               "up_sigma_mm, out_sigma_mm FROM photo LEFT JOIN plate "
                "ON plate.photo = photo.id ORDER BY survey, sha256, place");
 }
 

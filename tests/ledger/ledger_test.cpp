@@ -126,6 +126,38 @@ TEST_CASE("what is entered is read back") {
   CHECK(seen[1].hanging == "off");
   REQUIRE(seen[1].offset_mm);
   CHECK((*seen[1].offset_mm)[1] == doctest::Approx(-30));
+  REQUIRE(seen[1].offset_sigma_mm);
+  CHECK((*seen[1].offset_sigma_mm)[1] == doctest::Approx(2));
+}
+
+TEST_CASE("a ledger of version 1 is read as it is, and gets the new columns by the next photo") {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.db";
+  VerifiedFile photo = numbered_photo(1);
+  photo.tags[0].hung = HungTag{
+      "000L", HangVerdict::fits, 2, {{0.001, -0.003, 0}, {0.002, 0.002, 0.002}}, {}, {}, "", ""};
+  enter(path, {photo});
+  query(path,
+        "ALTER TABLE plate DROP COLUMN right_sigma_mm; ALTER TABLE plate DROP COLUMN up_sigma_mm; "
+        "ALTER TABLE plate DROP COLUMN out_sigma_mm; PRAGMA user_version = 1");
+  const auto sightings = [&] {
+    std::vector<PlateSighting> seen;
+    const Result<Ledger> ledger = Ledger::open_to_read(path);
+    REQUIRE(ledger);
+    REQUIRE(ledger->for_each_sighting("corridor", [&](const auto& one) { seen.push_back(one); }));
+    return seen;
+  };
+  REQUIRE(sightings().size() == 2);
+  CHECK(sightings()[0].offset_mm);
+  CHECK_FALSE(sightings()[0].offset_sigma_mm);
+  CHECK(query(path, "PRAGMA user_version") == "1\n");
+  photo.sha256 = numbered_photo(2).sha256;
+  CHECK(enter(path, {photo}).added == 1);
+  CHECK(query(path, "PRAGMA user_version") == "2\n");
+  REQUIRE(sightings().size() == 4);
+  CHECK(std::ranges::count_if(sightings(), [](const PlateSighting& seen) {
+          return seen.offset_sigma_mm.has_value();
+        }) == 1);
 }
 
 TEST_CASE("three processes that write at once lose nothing and double nothing") {
@@ -195,7 +227,7 @@ TEST_CASE("a file that is no ledger of this version is refused and not touched")
   REQUIRE(write_file(at("long"), std::string(5000, 'x')));
   query(at("other.db"), "CREATE TABLE contacts (name TEXT)");
   REQUIRE(enter_each(at("newer.db"), 0, 1));
-  query(at("newer.db"), "PRAGMA user_version = 2");
+  query(at("newer.db"), "PRAGMA user_version = 3");
   for (const char* name : {"text", "long", "other.db", "newer.db"}) {
     CAPTURE(name);
     const std::string before = read_file(at(name)).value();
@@ -204,7 +236,7 @@ TEST_CASE("a file that is no ledger of this version is refused and not touched")
     CHECK(read_file(at(name)).value() == before);
     CHECK_FALSE(fs::exists(at(name).string() + "-journal"));
   }
-  CHECK(refusal_to_write(at("newer.db")).find("version 2, expected 1") != std::string::npos);
+  CHECK(refusal_to_write(at("newer.db")).find("version 3, expected 2") != std::string::npos);
   CHECK_FALSE(refusal_to_write(folder.path()).empty());
   CHECK_FALSE(refusal_to_write("/proc/ledger.db").empty());
   CHECK_FALSE(Ledger::open_to_read(at("absent.db")));

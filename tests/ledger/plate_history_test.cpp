@@ -182,6 +182,36 @@ TEST_CASE("a fault is open until a later day tells that it is gone") {
   CHECK(judge({turned, upright}).action == PlateAction::none);
 }
 
+TEST_CASE("a drive that measures less exactly than a plate is off does not mend it") {
+  PlateSighting moved = bad(kDays[0], TagStatus::misplaced, "moved");
+  moved.offset_mm = {40, 0, 0};
+  moved.offset_sigma_mm = {4, 4, 10};
+  PlateSighting placed = good(kDays[1]);
+  placed.hanging = "fits";
+  placed.offset_mm = {22, 0, 0};
+  placed.offset_sigma_mm = {18, 5, 30};
+  CHECK(judge({moved, placed}).action == PlateAction::rehang);
+  CHECK(judge({moved, placed}).mended.empty());
+  // The first drive's offset counts, though a weak one found the plate off since.
+  PlateSighting weak = moved;
+  weak.taken = placed.taken;
+  weak.offset_mm = {41, 0, 0};
+  weak.offset_sigma_mm = {18, 5, 30};
+  placed.taken = good(kDays[2]).taken;
+  CHECK(judge({moved, weak, placed}).action == PlateAction::rehang);
+  placed.offset_sigma_mm = {13, 5, 30};
+  CHECK(judge({moved, weak, placed}).action == PlateAction::none);
+  CHECK(judge({moved, placed}).mended.size() == 1);
+}
+
+TEST_CASE("of two plates that do not fit together nobody is told to rehang both") {
+  const auto doubtful = bad(kDays[0], TagStatus::doubtful, "swapped");
+  CHECK(judge({doubtful}).action == PlateAction::look);
+  CHECK(judge({doubtful}).reason == "because of swapped");
+  const auto misplaced = bad(kDays[1], TagStatus::misplaced, "swapped");
+  CHECK(judge({doubtful, misplaced}).action == PlateAction::rehang);
+}
+
 TEST_CASE(
     "a misprint is not mended by a photo that shows the plate smaller, a copy not by any photo") {
   PlateSighting mirrored = bad(kDays[0], TagStatus::misprinted, "mirrored");

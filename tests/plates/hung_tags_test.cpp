@@ -674,15 +674,31 @@ TEST_CASE("of photos whose camera is not known twenty are named, and more are co
 TEST_CASE("what was found is written into the files, in place of what was said before") {
   const Corridor corridor;
   VerifiedFile photo = photo_of("001L", corridor.survey);
-  photo.tags[0].finding = {TagStatus::misplaced, "swapped", "the picture's order"};
+  photo.tags[0].digits = corridor.survey.tags[corridor.index("001L")].digits;
+  const RigCamera& camera = corridor.rig.cameras[0];
+  photo.file = camera.name + ".jpg";
+  photo.width = camera.camera.width;
+  photo.height = camera.camera.height;
   const HangingSetup setup{corridor.rig, PhotoCameras::by_names(corridor.rig)};
   HungTags hung;
   hung.revision = survey_revision(corridor.survey);
   hung.tags = {HungTag{"001L", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
-  judge_hanging(corridor.survey, setup, hung, photo);
-  CHECK(photo.tags[0].finding.status == TagStatus::ok);
-  CHECK(findings_of(photo).empty());
-  CHECK(rules_of(photo).empty());
+  for (const TagStatus by_picture : {TagStatus::misplaced, TagStatus::doubtful}) {
+    photo.tags[0].finding = {by_picture, "swapped", "the picture's order"};
+    std::size_t sighted = 0;
+    REQUIRE(for_each_sighted(
+        corridor.survey, setup,
+        [&](const auto& take) -> Result<void> {
+          take(photo);
+          return {};
+        },
+        [&](const auto& tags, auto&) { sighted += tags.size(); }));
+    CHECK(sighted == 1);
+    judge_hanging(corridor.survey, setup, hung, photo);
+    CHECK(photo.tags[0].finding.status == TagStatus::ok);
+    CHECK(findings_of(photo).empty());
+    CHECK(rules_of(photo).empty());
+  }
 
   hung.tags[0].verdict = HangVerdict::off;
   hung.tags[0].rule = "moved";
