@@ -114,7 +114,7 @@ const std::vector<Collision> kCollisions{
     {"verify survey.yaml left.jpg --ledger a --html a", {"--ledger", "--html"}},
     {"verify survey.yaml left.jpg --ledger a --csv a-journal", {"journal", "--csv"}},
     {"report survey.yaml lines.jsonl --ledger lines.jsonl", {"--ledger", "the lines"}},
-    {"report survey.yaml --ledger survey.yaml", {"--ledger", "the survey"}},
+    {"report survey.yaml lines.jsonl --ledger survey.yaml", {"--ledger", "the survey"}},
     {"report survey.yaml lines.jsonl --html lines.jsonl", {"--html", "the lines"}},
     {"report survey.yaml lines.jsonl --rig rig.yaml --pdf left.yml", {"--pdf", "calibration"}},
     {"read left.jpg --explain .", {"--explain", "the picture"}, "left.explained.png", "left.jpg"},
