@@ -569,6 +569,29 @@ void warn_of_unchecked(const std::vector<ControlGroup>& groups) {
   }
 }
 
+// Reports tags that were surveyed, hang there by the photos, and whose places the photos tell less
+// well than the survey does.
+void warn_of_less_certain(const Survey& survey, const AsBuiltSurvey& found) {
+  constexpr double kFarthest = 3;  // standard deviations
+  constexpr std::size_t kMostNamed = 10;
+  std::vector<std::string> names;
+  for (const AsBuiltTag& tag : found.tags) {
+    const PlacedTag& surveyed = *find_tag(survey, tag.tag);
+    const bool is_better = surveyed.surveyed && surveyed.sigma < tag.survey_sigma;
+    if (tag.status != AsBuiltStatus::adjusted || !is_better) continue;
+    const double sigma = std::hypot(surveyed.sigma, tag.survey_sigma);
+    if (tag.shift.cwiseAbs().maxCoeff() < kFarthest * sigma) names.push_back(tag.tag);
+  }
+  if (names.empty()) return;
+  const std::size_t count = names.size();
+  names.resize(std::min(count, kMostNamed));
+  to_stderr(
+      "tagsmith {}: {} in `placed` {} as surveyed by the photos, which tell the place less well "
+      "than the survey does: {}{}: with --control such tags keep their places\n",
+      kAdjust, counted(count, "tag"), count == 1 ? "hangs" : "hang", fmt::join(names, ", "),
+      count > kMostNamed ? " ..." : "");
+}
+
 Result<int> run(const AdjustOptions& options) {
   const Result<AdjustInput> input = load_adjust_input(options);
   if (!input) return fail(input);
@@ -601,6 +624,7 @@ Result<int> run(const AdjustOptions& options) {
     to_stderr("tagsmith {}: {}: {}\n", kAdjust, what, *reason);
     return kExitFindings;
   }
+  warn_of_less_certain(input->survey, *found);
   const auto written = write_survey(options, input->survey, *found);
   if (!written) return fail(written);
   const bool is_complete =

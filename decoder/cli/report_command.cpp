@@ -115,6 +115,7 @@ Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey
   });
   if (!looked) return fail(looked);
   VerifyMerge merged;
+  if (hung) merged.hanging_remarks = remarks_of(*hung);
   const auto add = [&](VerifiedFile line) {
     if (line.revision != revision) {
       if (current.contains(content_of(line))) return;

@@ -74,6 +74,7 @@ std::vector<DrawingView> report_map(const Survey& survey, const VerifyMerge& mer
 constexpr std::size_t kMostShownFaults = 400;
 constexpr std::size_t kMostStretches = 12;
 constexpr std::size_t kMostDrawnNotes = 6;
+constexpr std::size_t kMostRemarks = 8;
 
 DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
   const Completeness covered = completeness_of(survey, merged);
@@ -102,6 +103,14 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
   }
   std::ranges::move(unchecked_and_notes_words(covered, merged, kMostDrawnNotes),
                     std::back_inserter(lines));
+  const std::vector<std::string>& remarks = merged.hanging_remarks;
+  for (std::size_t i = 0; i < std::min(remarks.size(), kMostRemarks); ++i) {
+    lines.push_back("where the tags hang: " + remarks[i]);
+  }
+  if (remarks.size() > kMostRemarks) {
+    lines.push_back(
+        fmt::format("and {} more remarks, on standard error", remarks.size() - kMostRemarks));
+  }
   for (const std::string& line : lines) {
     y = add_lines(layer, lines_of(line, 0.17, kWordsHeight), y);
   }
@@ -153,14 +162,14 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   return view;
 }
 
-constexpr std::array<ViewColumn, 8> kColumns{{{"tag", 0.0},
-                                              {"status", 0.018},
-                                              {"chainage", 0.032},
-                                              {"seen", 0.048},
-                                              {"faults", 0.057},
-                                              {"best", 0.068},
-                                              {"worst", 0.077},
-                                              {"blame", 0.087}}};
+constexpr std::array<ViewColumn, 8> kTagColumns{{{"tag", 0.0},
+                                                 {"status", 0.018},
+                                                 {"chainage", 0.032},
+                                                 {"seen", 0.048},
+                                                 {"faults", 0.057},
+                                                 {"best", 0.068},
+                                                 {"worst", 0.077},
+                                                 {"blame", 0.087}}};
 
 std::vector<std::string> cells_of(const PlacedTag& tag, const TagRecord& record) {
   std::vector<std::string> cells{tag.name,
@@ -182,7 +191,34 @@ std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& mer
     rows.push_back(
         {cells_of(tag, record), status == "ok" ? colours::kBlack : status_colour(status)});
   }
-  return table_views(kColumns, TextAlign::left, kWordsLine, rows, DrawingStyle{}.paper);
+  return table_views(kTagColumns, TextAlign::left, kWordsLine, rows, DrawingStyle{}.paper);
+}
+
+constexpr std::array<ViewColumn, 9> kHangingColumns{{{"tag", 0.0},
+                                                     {"hangs", 0.018},
+                                                     {"right, mm", 0.042},
+                                                     {"up, mm", 0.060},
+                                                     {"out, mm", 0.078},
+                                                     {"clockwise, °", 0.096},
+                                                     {"right edge out, °", 0.114},
+                                                     {"top out, °", 0.137},
+                                                     {"seen", 0.155}}};
+
+// As seen by a viewer who faces the wall, with standard deviations.
+std::vector<DrawingView> hanging_tables(const VerifyMerge& merged) {
+  std::vector<ViewRow> rows;
+  for (const auto& [name, tag] : merged.hung) {
+    std::vector<std::string> cells{name, verdict_text(tag)};
+    std::ranges::copy(placement_cells(tag), std::back_inserter(cells));
+    cells.push_back(std::to_string(tag.stations));
+    rows.push_back({std::move(cells), tag.verdict == HangVerdict::fits  ? colours::kBlack
+                                      : tag.verdict == HangVerdict::off ? colours::kRed
+                                                                        : colours::kOrange});
+  }
+  std::vector<DrawingView> views =
+      table_views(kHangingColumns, TextAlign::left, kWordsLine, rows, DrawingStyle{}.paper);
+  for (DrawingView& view : views) view.title = "Where they hang: " + view.title;
+  return views;
 }
 
 DrawingPart fault_part(const VerifyMerge& merged) {
@@ -211,7 +247,9 @@ Result<std::vector<Sheet>> draw_report(const Survey& survey, const VerifyMerge& 
   std::ranges::move(report_map(survey, merged), std::back_inserter(first.views));
   std::vector<DrawingPart> parts{std::move(first)};
   if (!merged.faults.empty()) parts.push_back(fault_part(merged));
-  if (!survey.tags.empty()) parts.push_back({tag_tables(survey, merged)});
+  DrawingPart tables{tag_tables(survey, merged)};
+  std::ranges::move(hanging_tables(merged), std::back_inserter(tables.views));
+  if (!tables.views.empty()) parts.push_back(std::move(tables));
   const TitleBlock block{"Verification of " + survey.name,
                          "What photos and print files say of the survey's tags",
                          {{"Survey", survey.file.filename().string()},

@@ -248,7 +248,6 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
   return rows;
 }
 
-// Where the tags hang, as seen by a viewer who faces the wall; empty where none was judged.
 std::string hanging_table(const VerifyMerge& merged) {
   if (merged.hung.empty()) return {};
   std::string rows;
@@ -257,23 +256,14 @@ std::string hanging_table(const VerifyMerge& merged) {
                           : tag.verdict == HangVerdict::off ? "faulty"
                                                             : "poor";
     rows += fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td>", markup_text(name), verdict,
-                        tag.verdict == HangVerdict::fits  ? "fits"
-                        : tag.verdict == HangVerdict::off ? markup_text(tag.rule)
-                                                          : "in doubt");
-    const bool is_measured = !tag.offset.sigma.isZero();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      rows += is_measured ? fmt::format("<td>{:+.1f} &plusmn; {:.1f}</td>",
-                                        1e3 * tag.offset.value[i], 1e3 * tag.offset.sigma[i])
-                          : "<td>-</td>";
-    }
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      rows += is_measured ? fmt::format("<td class=\"more\">{:+.2f} &plusmn; {:.2f}</td>",
-                                        degrees(tag.turn.value[i]), degrees(tag.turn.sigma[i]))
-                          : "<td class=\"more\">-</td>";
+                        markup_text(verdict_text(tag)));
+    const std::array<std::string, 6> cells = placement_cells(tag);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      rows += (i < 3 ? "<td>" : "<td class=\"more\">") + cells[i] + "</td>";
     }
     rows += fmt::format("<td>{}</td></tr>\n", tag.stations);
   }
-  return "<h2>Where the tags hang</h2>\n<p class=\"sub\">Against the survey, as one sees them who "
+  return "<p class=\"sub\">Against the survey, as one sees them who "
          "faces the wall, with standard deviations; seen: places of the cameras that show the tag "
          "together with another.</p>\n" +
          page_table(
@@ -282,6 +272,16 @@ std::string hanging_table(const VerifyMerge& merged) {
              "<th class=\"more\">right edge out, &deg;</th>"
              "<th class=\"more\">top out, &deg;</th><th>seen</th>",
              rows);
+}
+
+// Where the tags hang, as seen by a viewer who faces the wall; empty where that was not checked.
+std::string hanging_text(const VerifyMerge& merged) {
+  if (merged.hung.empty() && merged.hanging_remarks.empty()) return {};
+  std::string text = "<h2>Where the tags hang</h2>\n";
+  for (const std::string& remark : merged.hanging_remarks) {
+    text += "<p class=\"known\">" + markup_text(remark) + "</p>\n";
+  }
+  return text + hanging_table(merged);
 }
 
 std::string fault_card(const FaultRecord& fault) {
@@ -383,7 +383,7 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
              "<th>faults</th><th>best</th><th>worst</th><th class=\"more\">blame</th>"
              "<th class=\"more\">upright</th>",
              tag_rows(survey, merged)) +
-         hanging_table(merged) + "<script>" + kScript + "</script>\n</body>\n</html>\n";
+         hanging_text(merged) + "<script>" + kScript + "</script>\n</body>\n</html>\n";
 }
 
 // ---- The files.
@@ -586,6 +586,25 @@ std::string grade_text(const std::optional<double>& grade, const char* without) 
 std::string fault_heading(const FaultRecord& fault) {
   return fmt::format("{}{}{}", fault.tag.empty() ? "" : fault.tag + ": ",
                      fault.rule.empty() ? "fault" : fault.rule, fault.is_question ? "?" : "");
+}
+
+std::string verdict_text(const HungTag& tag) {
+  if (tag.verdict == HangVerdict::off) return tag.rule;
+  return tag.verdict == HangVerdict::fits ? "fits" : "in doubt";
+}
+
+std::array<std::string, 6> placement_cells(const HungTag& tag) {
+  std::array<std::string, 6> cells;
+  cells.fill("-");
+  if (tag.offset.sigma.isZero()) return cells;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    cells[at] =
+        fmt::format("{:+.1f} ± {:.1f}", 1e3 * tag.offset.value[i], 1e3 * tag.offset.sigma[i]);
+    cells[at + 3] =
+        fmt::format("{:+.2f} ± {:.2f}", degrees(tag.turn.value[i]), degrees(tag.turn.sigma[i]));
+  }
+  return cells;
 }
 
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,

@@ -77,6 +77,13 @@ std::string grade_text(const std::optional<double>& grade, const char* without);
 // "000L: glare?"
 std::string fault_heading(const FaultRecord& fault);
 
+// "fits", the rule of a tag that is off, or "in doubt".
+std::string verdict_text(const HungTag& tag);
+
+// Its offset in mm, right, up and out, then its turn in degrees, clockwise, right edge out and top
+// out: "+1.2 ± 0.3", and "-" where it was not measured.
+std::array<std::string, 6> placement_cells(const HungTag& tag);
+
 // What was not checked, and notes on files, at most `most` of these.
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,
                                                    const VerifyMerge& merged, std::size_t most);

@@ -435,6 +435,7 @@ Result<void> judge_waiting(const Job& job, VerifyOutcome& outcome) {
       check_hanging("verify", job.request.survey, job.hanging, all);
   if (!hung) return fail(hung);
   outcome.hung = std::move(*hung);
+  if (outcome.hung) outcome.merged.hanging_remarks = remarks_of(*outcome.hung);
   for (VerifiedFile& file : outcome.waiting) {
     if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, file);
     note_failure(save_late_pictures(job.options, file), outcome);

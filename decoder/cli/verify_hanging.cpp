@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -168,11 +170,25 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
   return std::optional(std::move(*hung));
 }
 
+// Nothing where the tags were judged.
+std::optional<std::string> not_judged_in_words(const HungTags& hung) {
+  if (!hung.nothing_fits) return std::nullopt;
+  return std::string("not judged, because ") +
+         (hung.rig_doubt.empty() ? "more than half of the tags seen contradict the survey"
+                                 : "the rig is in doubt");
+}
+
+std::vector<std::string> remarks_of(const HungTags& hung) {
+  std::vector<std::string> remarks;
+  if (auto words = not_judged_in_words(hung)) remarks.push_back(std::move(*words));
+  std::ranges::copy(hung.notes, std::back_inserter(remarks));
+  std::ranges::copy(hung.assumed, std::back_inserter(remarks));
+  return remarks;
+}
+
 void print_hanging(const HungTags& hung) {
-  if (hung.nothing_fits) {
-    to_stdout("where tags hang: not judged, because {}\n",
-              hung.rig_doubt.empty() ? "more than half of the tags seen contradict the survey"
-                                     : "the rig is in doubt");
+  if (const auto words = not_judged_in_words(hung)) {
+    to_stdout("where tags hang: {}\n", *words);
     return;
   }
   const auto is_checked = [](const HungTag& tag) { return tag.verdict != HangVerdict::unchecked; };

@@ -46,6 +46,10 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
                                               std::optional<LoadedHanging>& hanging,
                                               const EachFile& files);
 
+// What a reader of the result must know: why nothing was judged, what could not be used and what is
+// assumed; sentences without their full stop.
+std::vector<std::string> remarks_of(const HungTags& hung);
+
 // One line a checked tag, for people.
 void print_hanging(const HungTags& hung);
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <set>
 #include <string>
@@ -142,8 +141,7 @@ NamedProblem problem_for(const Observation& observation, const std::vector<Surve
 // Grid coordinates in metres and the heading in degrees.
 std::string pose_text(const Grid& grid, const VehiclePose& vehicle) {
   const Vector3d position = grid_from_world(grid, vehicle.position);
-  const double heading =
-      std::remainder(grid_heading_from_world(grid, vehicle.heading), 2 * std::numbers::pi);
+  const double heading = wrapped_angle(grid_heading_from_world(grid, vehicle.heading));
   return fmt::format("({:.3f}, {:.3f}, {:.3f}) heading {:.0f} degrees", position.x(), position.y(),
                      position.z(), degrees(heading));
 }
@@ -599,9 +597,8 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
                                   difference.sigmas / std::sqrt(believed.variance_factor)});
   }
   fix.position_in_grid = grid_from_world(grid, vehicle.position);
-  fix.attitude =
-      Attitude{std::remainder(grid_heading_from_world(grid, vehicle.heading), 2 * std::numbers::pi),
-               vehicle.pitch, vehicle.roll};
+  fix.attitude = Attitude{wrapped_angle(grid_heading_from_world(grid, vehicle.heading)),
+                          vehicle.pitch, vehicle.roll};
   fix.variance_factor = believed.variance_factor;
   fix.pose_covariance_in_grid = fix.variance_factor * grid_covariance(grid, settled_fit.covariance);
   fix.covariance_in_grid = fix.pose_covariance_in_grid->topLeftCorner<3, 3>();

@@ -42,6 +42,7 @@ Fix refused(const Fix& fix, std::string reason) {
   Fix none;
   none.id = fix.id;
   none.method = fix.method;
+  none.survey = fix.survey;
   none.tags = fix.tags;
   none.reason = std::move(reason);
   return none;

@@ -13,6 +13,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -168,10 +169,20 @@ Fix without_position(Fix fix, std::string reason) {
   return fix;
 }
 
+// Of a vehicle that stands there on the floor, in the grid.
+Attitude attitude_on_floor(const VehiclePlace& place, const Survey& survey) {
+  const Eigen::Vector3d at = world_from_grid(survey.grid, place.head<3>());
+  const Centerline& centerline = survey.tunnel.centerline;
+  const CenterlinePoint floor = centerline.at(centerline.locate(at.head<2>()).chainage);
+  const double yaw = world_heading_from_grid(survey.grid, place[3]) - floor.heading;
+  const VehiclePose vehicle = vehicle_on_floor(floor, {.yaw = yaw});
+  return {place[3], vehicle.pitch, vehicle.roll};
+}
+
 // The fix with the place that the whole track gives it.
 Fix with_place(Fix fix, const VehiclePlace& place, const PlaceCovariance& covariance,
                const Rig& rig) {
-  const Attitude before = fix.attitude.value_or(Attitude{});
+  const Attitude before = *fix.attitude;
   PoseCovariance pose = PoseCovariance::Zero();
   pose.topLeftCorner<4, 4>() = covariance;
   pose(4, 4) = rig.pitch_sigma * rig.pitch_sigma;
@@ -204,7 +215,7 @@ Fix predicted_fix(Fix fix, const VehiclePlace& place, const PlaceCovariance& cov
   }
   if (!refusal.empty()) return without_position(std::move(fix), own + "; " + refusal);
   if (fix.position_in_grid) forget_measurement(fix);
-  fix.attitude.reset();
+  fix.attitude = attitude_on_floor(place, survey);
   fix.pose_covariance_in_grid.reset();
   fix.tags.clear();
   fix.ranges.clear();

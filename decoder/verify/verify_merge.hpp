@@ -74,6 +74,8 @@ struct VerifyMerge {
   std::size_t without_tag_count = 0;
   bool shows_tag = false;               // some photo does
   std::map<std::string, HungTag> hung;  // where tags hang that were judged, by name
+  // Sentences that a reader of where tags hang must know: what was not judged, and what is assumed.
+  std::vector<std::string> hanging_remarks;
   std::size_t picture_bytes = 0;
   std::size_t whole_bytes = 0;  // of these, of whole photos and pages
   std::vector<NoteRecord> notes;

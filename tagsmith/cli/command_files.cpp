@@ -74,6 +74,12 @@ Result<void> CommandFiles::check() const {
   std::map<std::string, const NamedFile*> outputs;
   for (const NamedFile& output : outputs_) {
     if (is_stream(output.path)) continue;
+    if (output.path == "-") {
+      return fail(
+          fmt::format("{} -: expected the name of a file; /dev/stdout is standard output, "
+                      "./- a file of that name",
+                      output.role));
+    }
     if (auto spares = check_no_input(output.path, output.role); !spares) return spares;
     const auto [other, is_new] = outputs.emplace(identity_or_name(output.path), &output);
     if (is_new) continue;

@@ -31,8 +31,8 @@ class CommandFiles {
   // A folder for files whose names are not known before the work.
   void writes_into(const std::filesystem::path& folder, const std::string& role);
 
-  // Fails when an output is an input, or another output, by whatever links; when it is a folder;
-  // and when no file can be created in its folder. Streams never conflict.
+  // Fails when an output is an input, or another output, by whatever links; when it is a folder,
+  // or `-`; and when no file can be created in its folder. Streams never conflict.
   Result<void> check() const;
 
   // Fails when the file is an input: for outputs whose names become known during the work.

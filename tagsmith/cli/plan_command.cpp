@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
@@ -43,17 +44,19 @@ struct OptimiseOptions {
   bool varies(const char* what) const { return std::ranges::count(vary, what) > 0; }
 };
 
+namespace fs = std::filesystem;
+
 // The chosen layout as files, read back from them: the next plan uses what was written.
 struct OptimisedDrive {
   Optimisation optimisation;
-  // By name: the survey, the rig where alpha changed, and the template where it is not one of the
-  // tool's own.
+  // By name: the survey, the rig, and the files that these name: calibrations, and template and
+  // logo where they are not the tool's own.
   std::vector<SheetFile> files;
+  std::vector<std::string>
+      outside;  // of the files named, those in no folder of the file naming them
   Survey survey;
   Rig rig;
 };
-
-namespace fs = std::filesystem;
 
 // Templates to choose from, by file.
 using Templates = std::map<fs::path, TagTemplate>;
@@ -71,6 +74,8 @@ Templates available_templates(const Survey& survey) {
   Templates all;
   const fs::path beside = survey.file.has_parent_path() ? survey.file.parent_path() : ".";
   add_templates(beside, all);
+  // By a path into another folder.
+  all.emplace(survey.tag_template.file, survey.tag_template);
   std::set<std::string> names;
   for (const auto& [path, tag] : all) names.insert(path.stem().string());
   Templates own;
@@ -137,6 +142,31 @@ Result<std::string> edited_file(const fs::path& file, const std::vector<YamlEdit
   return std::move(*edited);
 }
 
+// Adds a file that a file in `folder` names, so that its copy names it, too.
+Result<void> add_named(const fs::path& file, const fs::path& folder, OptimisedDrive& drive) {
+  const fs::path name = file.lexically_proximate(folder).lexically_normal();
+  if (name.is_absolute() || std::ranges::count(drive.files, name, &SheetFile::path) > 0) return {};
+  if (*name.begin() == "..") {
+    drive.outside.push_back(file.string());
+    return {};
+  }
+  Result<std::string> bytes = read_file(file);
+  if (!bytes) return fail(bytes);
+  drive.files.push_back({name, std::move(*bytes)});
+  return {};
+}
+
+bool is_own_template(const fs::path& file) {
+  std::error_code error;
+  return fs::equivalent(file.parent_path(), data_directory() / "templates", error);
+}
+
+Result<void> add_template(const TagTemplate& tag, const fs::path& folder, OptimisedDrive& drive) {
+  if (is_own_template(tag.file)) return {};
+  if (auto added = add_named(tag.file, folder, drive); !added) return added;
+  return tag.logo.file.empty() ? Result<void>{} : add_named(tag.logo.file, folder, drive);
+}
+
 // Adds the chosen survey, read back from its text.
 Result<void> write_survey(const Survey& survey, const Layout& layout, const Templates& templates,
                           OptimisedDrive& drive) {
@@ -146,12 +176,8 @@ Result<void> write_survey(const Survey& survey, const Layout& layout, const Temp
   std::string template_name = layout.tag_template.name;
   if (used != templates.end()) {
     template_name = used->first.stem().string();
-    std::error_code error;
-    if (!fs::equivalent(used->first.parent_path(), data_directory() / "templates", error)) {
-      const Result<std::string> bytes = read_file(used->first);
-      if (!bytes) return fail(bytes);
-      drive.files.push_back({used->first.filename().string(), *bytes});
-    }
+    const fs::path folder = survey.file.parent_path();
+    if (auto added = add_template(used->second, folder, drive); !added) return added;
   }
   auto text = edited_file(survey.file, survey_edits(survey, layout, template_name));
   if (!text) return fail(text);
@@ -166,9 +192,14 @@ Result<void> write_survey(const Survey& survey, const Layout& layout, const Temp
 }
 
 Result<void> write_rig(const Rig& rig, const Layout& layout, OptimisedDrive& drive) {
-  drive.rig = rig;
-  if (!layout.alpha) return {};
-  auto text = edited_file(rig.file, rig_edits(rig, *layout.alpha));
+  for (const RigCamera& camera : rig.cameras) {
+    if (camera.calibration.empty()) continue;
+    if (auto added = add_named(camera.calibration, rig.file.parent_path(), drive); !added) {
+      return added;
+    }
+  }
+  auto text =
+      edited_file(rig.file, layout.alpha ? rig_edits(rig, *layout.alpha) : std::vector<YamlEdit>{});
   if (!text) return fail(text);
   Diagnosed<Rig> reading = read_rig_text(rig.file, *text);
   if (!reading.value) {
@@ -406,7 +437,13 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
   named.reads(drive.rig);
   for (const SheetFile& file : files) named.writes(file.path, "--output");
   if (auto usable = named.check(); !usable) return usable;
-  return publish_files(files);
+  if (auto written = publish_files(files); !written) return written;
+  if (subject.better && !subject.better->outside.empty()) {
+    to_stderr("tagsmith plan: warning: {} must be named anew in the files in {}: {}\n",
+              subject.better->outside.size() == 1 ? "a file" : "files", options.folder,
+              fmt::join(subject.better->outside, ", "));
+  }
+  return {};
 }
 
 // Poses before and beyond the center line are planned as any others.

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "tagsmith/base/statistics.hpp"
 #include "tagsmith/draft/point_order.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 
@@ -158,8 +158,7 @@ std::vector<HeadingStep> heading_steps(const std::vector<Vector2d>& guide) {
     const Vector2d way = guide[i] - guide[i - 1];
     double heading = std::atan2(way.x(), way.y());
     if (!steps.empty()) {
-      heading = steps.back().heading +
-                std::remainder(heading - steps.back().heading, 2 * std::numbers::pi);
+      heading = steps.back().heading + wrapped_angle(heading - steps.back().heading);
     }
     steps.push_back({chainage + way.norm() / 2, heading, way.norm()});
     chainage += way.norm();
@@ -545,9 +544,7 @@ double heading_sigma_of(const PlanModel& model, const std::vector<PlanModel>& ot
     const double chance = chance_of_shape(model, other, points, scale);
     // The odds as by Schwarz's criterion (1978), which asks for more the more points there are.
     const double probability = 1 / (1 + std::sqrt(count) * chance);
-    const VectorXd apart = (headings_of(other, beside) - headings).unaryExpr([](double angle) {
-      return std::remainder(angle, 2 * std::numbers::pi);
-    });
+    const VectorXd apart = (headings_of(other, beside) - headings).unaryExpr(&wrapped_angle);
     variances += probability * apart.cwiseAbs2();
   }
   return std::sqrt(variances.maxCoeff());

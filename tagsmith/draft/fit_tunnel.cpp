@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -625,8 +624,7 @@ std::vector<ProfileStation> stations_of(const SurveyedPoint& point, const Vector
   if (!point.attitude || !point.attitude->facing) return {{address.chainage, address.offset}};
   const double away = side_of(point.kind) == -1 ? radians(90) : radians(-90);
   const double facing = world_heading_from_grid(grid, *point.attitude->facing);
-  const double turned =
-      std::remainder(facing - line.at(address.chainage).heading - away, 2 * std::numbers::pi);
+  const double turned = wrapped_angle(facing - line.at(address.chainage).heading - away);
   if (std::abs(turned) >= kMostTurned) return {};
   const Vector3d along = -right_of(facing);  // as a viewer sees the plate, to the right
   const Vector3d middle = p + along * tag.frame_inner_length / 2;

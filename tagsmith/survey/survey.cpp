@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -188,8 +187,7 @@ bool is_turned_from_wall(const Tunnel& tunnel, const TagTemplate& tag, const Pla
   if (!placed.attitude || !placed.attitude->facing) return false;
   const Pose& stands = placed.world_from_plate;
   const Pose wall = plate_on_wall(tunnel, tag, placed.side, stands.translation);
-  return std::abs(std::remainder(facing_of(stands) - facing_of(wall), 2 * std::numbers::pi)) >
-         kTurned;
+  return std::abs(wrapped_angle(facing_of(stands) - facing_of(wall))) > kTurned;
 }
 
 }  // namespace tagsmith::detail

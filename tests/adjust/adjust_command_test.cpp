@@ -114,6 +114,12 @@ TEST_CASE("a run puts a tag in its place, in a survey that keeps its comments") 
   CHECK(std::abs(tag.p_in_grid.z() - 0.4) < 3 * tag.sigma + 0.001);
 }
 
+TEST_CASE("a tag that the survey knows better than the photos tell is named") {
+  const MovedCorridor corridor;
+  const std::string errors = corridor.run(kRun + " --control 001L,001R").err;
+  CHECK_MESSAGE(has(errors, "less well than the survey does: 002R: with --control"), errors);
+}
+
 TEST_CASE("the changes alone make the survey that is written, and a drawing shows them") {
   const MovedCorridor corridor;
   const std::string diff = corridor.output + ".diff", drawing = corridor.output + ".svg";

@@ -188,11 +188,12 @@ TEST_CASE("an output that cannot be written is told before the work") {
   desk.write("in-the-way", "");
   fs::create_directory(desk.at("folder"));
   const std::string run = "localize survey.yaml --rig rig.yaml --run run.csv ";
-  for (const std::string arguments : {"verify survey.yaml left.jpg --html in-the-way/r.html",
-                                      "verify survey.yaml left.jpg --pdf folder",
-                                      "verify survey.yaml left.jpg --crops in-the-way",
-                                      "report survey.yaml lines.jsonl --csv folder",
-                                      "read left.jpg --explain in-the-way/deeper"}) {
+  for (const std::string arguments :
+       {"verify survey.yaml left.jpg --html in-the-way/r.html",
+        "verify survey.yaml left.jpg --pdf folder",
+        "verify survey.yaml left.jpg --crops in-the-way",
+        "report survey.yaml lines.jsonl --csv folder", "report survey.yaml lines.jsonl --csv -",
+        "read left.jpg --explain in-the-way/deeper"}) {
     CAPTURE(arguments);
     const ProgramOutput output = desk.run(arguments);
     CHECK(output.exit_code == 2);

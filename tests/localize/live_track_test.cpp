@@ -63,6 +63,7 @@ TEST_CASE("a lone tag that the motion contradicts gives no position, one that fi
   const Fix wrong = follow_track(track, fix_at(1.9, {"a"}), 1.2);
   CHECK(!wrong.position_in_grid.has_value());
   CHECK(wrong.reason.find("the only tag, a, puts the vehicle 0.3") == 0);
+  CHECK(wrong.survey == "corridor");
   // Refused again and again, and not remembered.
   CHECK(!follow_track(track, fix_at(1.95, {"a"}), 1.3).position_in_grid);
   CHECK(follow_track(track, fix_at(1.70, {"a"}), 1.4).position_in_grid);

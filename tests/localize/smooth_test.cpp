@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -250,6 +251,27 @@ TEST_CASE("rows before the first fix and after the last are predicted too") {
     CHECK(pose(4, 4) == doctest::Approx(std::pow(radians(2), 2)));
     CHECK(pose(5, 5) == doctest::Approx(std::pow(radians(2), 2)));
     CHECK(std::abs((*smoothed)[row].position_in_grid->y() - 0.1 * static_cast<double>(row)) < 0.01);
+  }
+}
+
+TEST_CASE("on a ramp a vehicle of a predicted row stands on the floor") {
+  constexpr double kGrade = 0.15;
+  std::vector<Survey> ramp = hall();
+  ramp[0].tunnel.centerline = Centerline({0, -500, -500}, 0, {{1000, 0, kGrade}});
+  for (const double heading : {0.0, std::numbers::pi}) {  // uphill, downhill
+    Drive drive;
+    for (int row = 0; row < 10; ++row) {
+      const double ahead = 0.1 * row * std::cos(heading);
+      const Eigen::Vector4d place(0, ahead, -499.7 + kGrade * (500 + ahead), heading);
+      add_row(drive, 0.1 * row, place.head<3>());
+      if (row != 5) locate_last(drive, place, 1e-6 * Eigen::Matrix4d::Identity());
+    }
+    const auto smoothed = smooth_fixes(drive.fixes, drive.run, ramp, level_rig());
+    REQUIRE(smoothed.has_value());
+    REQUIRE_MESSAGE((*smoothed)[5].predicted, (*smoothed)[5].reason);
+    const Attitude& attitude = (*smoothed)[5].attitude.value();
+    CHECK(attitude.pitch == doctest::Approx(-std::cos(heading) * std::atan(kGrade)).epsilon(1e-3));
+    CHECK(std::abs(attitude.roll) < 0.01);
   }
 }
 

@@ -284,6 +284,43 @@ TEST_CASE("--optimise writes a valid survey that needs no more tags, comments an
   CHECK(contents(folder.path() / "survey.yaml").find("# clear gap between") != std::string::npos);
 }
 
+TEST_CASE("a folder of --optimise can be planned as it is: all files that survey and rig name") {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  const fs::path mine = folder.path() / "mine";
+  fs::create_directories(mine / "lens");
+  fs::create_directories(mine / "plates");
+  const fs::path shipped = "surveys/corridor";
+  const auto put = [](const fs::path& file, std::string text, const std::string& old,
+                      const std::string& instead) {
+    text.replace(text.find(old), old.size(), instead);
+    std::ofstream(file) << text;
+  };
+  put(mine / "survey.yaml", contents(shipped / "survey.yaml"), "template: tag-400x300",
+      "template: plates/own.yaml");
+  put(mine / "plates/own.yaml", contents("templates/tag-400x300.yaml"), "label: {",
+      "logo: { file: logo.svg, size_mm: [20, 8] }\nlabel: {");
+  std::ofstream(mine / "plates/logo.svg")
+      << R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 4"><path d="M0 0h10v4z"/></svg>)";
+  fs::copy_file(shipped / "calibration-left.yaml", mine / "lens/left.yaml");
+  fs::copy_file(shipped / "calibration-right.yaml", mine / "right.yaml");
+  std::string rig = contents(shipped / "rig-calibrated.yaml");
+  rig.replace(rig.find("calibration-right.yaml"), 22, "right.yaml");
+  put(mine / "rig.yaml", rig, "calibration-left.yaml", "lens/left.yaml");
+  const std::string to = " --to 5 --plane-sigma 50 ";
+  const std::string out = (folder.path() / "out").string();
+  const ProgramOutput better =
+      run_tagsmith("plan " + (mine / "survey.yaml").string() + " --rig " +
+                   (mine / "rig.yaml").string() + to + "--optimise --vary height -o " + out);
+  REQUIRE_MESSAGE(better.exit_code < 2, better.err);
+  fs::rename(mine, folder.path() / "elsewhere");
+  const ProgramOutput again =
+      run_tagsmith("plan " + out + "/survey.yaml --rig " + out + "/rig.yaml --to 5");
+  CHECK_MESSAGE(again.exit_code < 2, again.err);
+  CHECK(run_tagsmith("validate " + out + "/survey.yaml --rig " + out + "/rig.yaml")
+            .err.find("0 warnings") != std::string::npos);
+}
+
 TEST_CASE("plan refuses what it cannot use, and writes nothing") {
   const TemporaryFolder folder;
   const std::string target = (folder.path() / "out").string();

@@ -239,6 +239,29 @@ TEST_CASE("the document has the summary, the map, the faults with pictures and t
   CHECK(images.out == "1\n");
 }
 
+TEST_CASE("page and document say where tags hang, and what that relies on") {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string();
+  const auto outputs = [&](const std::string& name) {
+    return " --html " + at + "/" + name + ".html --pdf " + at + "/" + name + ".pdf";
+  };
+  const std::string rig = " --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
+  const ProgramOutput verified = run_tagsmith("verify --json " + kSurvey + rig + outputs("verify"));
+  REQUIRE(verified.exit_code == 0);
+  REQUIRE(write_file(folder.path() / "lines.jsonl", verified.out).has_value());
+  REQUIRE(run_tagsmith("report " + kSurvey + " " + at + "/lines.jsonl" + rig + outputs("report"))
+              .exit_code == 1);  // two tags are in no photo
+  for (const std::string name : {"verify", "report"}) {
+    CAPTURE(name);
+    const std::string page = *read_file(folder.path() / (name + ".html"));
+    const std::string document = run_shell("pdftotext " + at + "/" + name + ".pdf -").out;
+    for (const std::string& text : {page, document}) {
+      CHECK(text.find("no photo ties 00") != std::string::npos);
+      CHECK(text.find("right edge out, ") != std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("a photo in which no tag was read is shown in the report, small and upright") {
   const TemporaryFolder folder;
   const auto path = [&](const char* name) { return folder.path() / name; };
