@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <Eigen/OrderingMethods>
+
 namespace tagsmith::detail {
 
 using Eigen::Index;
@@ -44,6 +46,32 @@ void SelectedInverse::invert(Index column, VectorXd& factors, VectorXd& sums) {
     diagonal_[column] += own.value() * sums[own.row()];
     factors[own.row()] = 0;
     own.valueRef() = -sums[own.row()];
+  }
+}
+
+void PlateOrdering::operator()(const SparseMatrix& information, PermutationType& parameters) const {
+  // The shared parameters, behind those of the plates, make one or more blocks of their own.
+  const Index blocks = (information.cols() + kPlateCount - 1) / kPlateCount;
+  std::vector<Eigen::Triplet<double>> neighbours;
+  for (Index block = 0; block < blocks; ++block) {
+    Index last = -1;
+    for (Element own(information, kPlateCount * block); own; ++own) {
+      if (own.row() / kPlateCount == last) continue;
+      last = own.row() / kPlateCount;
+      neighbours.emplace_back(last, block, 1);
+    }
+  }
+  SparseMatrix graph(blocks, blocks);
+  graph.setFromTriplets(neighbours.begin(), neighbours.end());
+  PermutationType order;
+  Eigen::AMDOrdering<int>()(graph, order);
+  parameters.resize(information.cols());
+  Index place = 0;
+  for (Index i = 0; i < blocks; ++i) {
+    const Index first = kPlateCount * order.indices()[i];
+    for (Index j = first; j < std::min(first + kPlateCount, information.cols()); ++j) {
+      parameters.indices()[place++] = static_cast<int>(j);
+    }
   }
 }
 

@@ -37,6 +37,17 @@ class SelectedInverse {
   Eigen::VectorXd diagonal_;
 };
 
+// Orders the parameters of normal equations so that the factor stays sparse: the approximate
+// minimum degree of plates as wholes (Amestoy, Davis and Duff 1996), because the parameters of one
+// plate have the same neighbours. Much faster than the order of each parameter.
+struct PlateOrdering {
+  using PermutationType = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
+
+  // `information` with both triangles; `parameters` lists its columns in the order of elimination.
+  void operator()(const Eigen::SparseMatrix<double>& information,
+                  PermutationType& parameters) const;
+};
+
 // A block for each two plates seen together and dense columns of the shared parameters, so that it
 // grows with the plates and not with the pictures. Parameters: kPlateCount of each plate, then the
 // shared ones.
@@ -81,7 +92,7 @@ class PlateNormals {
   Eigen::MatrixXd by_shared_;  // the columns of the shared parameters
   Eigen::VectorXd gradient_;
   Eigen::VectorXd priors_;  // on the diagonal
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, PlateOrdering> solver_;
   std::optional<SelectedInverse> inverse_;
 };
 
