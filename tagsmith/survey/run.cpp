@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -135,8 +136,15 @@ Measurement read_measurement(const TableRow& row, const Rig& rig, const fs::path
   measurement.id = row.text("id");
   measurement.line = row.line();
   if (measurement.id.empty()) row.error("id", "missing-value", "the id is empty");
+  std::map<fs::path, std::string> cameras;  // by photo
   for (const RigCamera& camera : rig.cameras) {
     CameraMeasurement measured = read_camera(row, camera.name, folder);
+    const auto [other, is_new] = cameras.emplace(measured.image, camera.name);
+    if (!is_new && !measured.image.empty()) {
+      row.error(camera.name, "duplicate-photo",
+                "the photo of " + camera.name + " is that of " + other->second,
+                "name the photo that each camera took");
+    }
     if (!measured.image.empty() || measured.tag) {
       measurement.cameras.emplace(camera.name, std::move(measured));
     }

@@ -106,6 +106,7 @@ TEST_CASE("every way to break a run is reported with its place") {
       {"distance without tag", "id,left_tag,left_distance\n1,,1\n", "a distance without its tag"},
       {"truth in part", "id,left,truth_x,truth_y,truth_z\n1,a,1,,3\n", "expected all or none"},
       {"no id in a row", "id,left\n,a\n", "run.csv:2:1: error: the id is empty"},
+      {"photo twice", "id,left,right\n1,a,a\n", "run.csv:2:3: error: the photo of right is that"},
       {"id twice", "id,left\n1,a\n1,b\n", "run.csv:3: error: the id `1` a second time"},
       {"open quote", "id,left\n1,\"a\n", "run.csv:2: error: a quote that is not closed"},
       {"quote inside", "id,left\n1,a\"b\n", "run.csv:2: error: a quote that is not closed"},
