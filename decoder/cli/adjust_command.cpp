@@ -265,18 +265,8 @@ double magnification(const Survey& survey, const AsBuiltSurvey& found) {
   return magnification_for(survey.tunnel, std::move(sizes));
 }
 
-// On the tunnel's side of the wall: the tag's name is on the other side.
-void add_height(SketchLayer& layer, const Vector2d& at, Side wall, const AsBuiltTag& tag) {
-  const bool is_above = wall == Side::left;  // the drive runs to the right
-  layer.add(Words{.text = fmt::format("{:+.1f}", std::round(1e4 * tag.shift.z()) / 10 + 0.0),
-                  .at = {at, {0, is_above ? -0.003 : 0.003}},
-                  .align = TextAlign::centre,
-                  .level = is_above ? TextLevel::top : TextLevel::baseline,
-                  .colour = colour_of(tag)});
-}
-
-void add_tag(Sketch& sketch, const PlanStrip& strip, const PlacedTag& surveyed,
-             const AsBuiltTag& tag, double factor) {
+void add_tag(Sketch& sketch, const Survey& survey, const PlanStrip& strip,
+             const PlacedTag& surveyed, const AsBuiltTag& tag, double factor) {
   const Vector2d from = surveyed.world_from_plate.translation.head<2>();
   const Vector2d at = strip.view_from_world * from;
   if (!tag.has_place()) {
@@ -290,7 +280,10 @@ void add_tag(Sketch& sketch, const PlanStrip& strip, const PlacedTag& surveyed,
   ellipse.line.colour = colour_of(tag);
   sketch.layer("ellipses").add(std::move(ellipse));
   sketch.layer("moved").add(Arrow{at, to, {colour_of(tag), kNarrow, {}}, 0.0015});
-  add_height(sketch.layer("heights"), at, surveyed.side, tag);
+  Words height = words_beyond_name(
+      survey, strip, surveyed, fmt::format("{:+.1f}", std::round(1e4 * tag.shift.z()) / 10 + 0.0));
+  height.colour = colour_of(tag);
+  sketch.layer("heights").add(std::move(height));
 }
 
 auto count_of(const AsBuiltSurvey& found, AsBuiltStatus status) {
@@ -307,7 +300,8 @@ DrawingView summary_view(const AsBuiltSurvey& found) {
       fmt::format("{} pictures of tags from {} places, {} left out; residuals {:.2f} times what "
                   "was stated",
                   found.sightings, found.stations, found.left_out.size(), found.sigma_factor),
-      "numbers: how far the tag hangs above (+) or below (-) its surveyed place, mm"};
+      "numbers beside the names: how far the tag hangs above (+) or below (-) its surveyed place, "
+      "mm"};
   DrawingView view;
   view.title = "As built";
   view.new_row = true;
@@ -330,7 +324,7 @@ Result<std::vector<Sheet>> draw_as_built(const Survey& survey, const AsBuiltSurv
     for (const AsBuiltTag& tag : found.tags) {
       const PlacedTag& surveyed = *find_tag(survey, tag.tag);
       if (surveyed.chainage < strip.from || surveyed.chainage > strip.to) continue;
-      add_tag(view.sketch, strip, surveyed, tag, factor);
+      add_tag(view.sketch, survey, strip, surveyed, tag, factor);
     }
     views.push_back(std::move(view));
   }

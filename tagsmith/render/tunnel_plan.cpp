@@ -9,6 +9,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/side_line.hpp"
+#include "tagsmith/render/text.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -157,7 +158,9 @@ void draw_plate(SketchLayer& layer, const Survey& survey, const PlanStrip& strip
   layer.add(Dot{strip.in_view(pose.translation), 0.0004, colours::kRed});
 }
 
-Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag) {
+// Text beside the tag's wall, `clear` metres on paper away from it.
+Words words_beside(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag,
+                   std::string text, double clear) {
   const Pose& pose = tag.world_from_plate;
   const Vector2d middle =
       strip.in_view(pose * Eigen::Vector3d(plate_middle(survey.tag_template), 0, 0));
@@ -165,12 +168,16 @@ Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag
   const double angle = std::atan2(outward.y(), outward.x());
   // Readable from the right rather than turned upside down by a bend of the wall.
   const bool upside_down = angle > radians(105) || angle <= radians(-75);
-  return {.text = tag.name,
-          .at = {middle, outward * kNameClear},
+  return {.text = std::move(text),
+          .at = {middle, outward * clear},
           .height = kTagNameHeight,
           .angle = upside_down ? angle + std::numbers::pi : angle,
           .align = upside_down ? TextAlign::right : TextAlign::left,
           .level = TextLevel::middle};
+}
+
+Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag) {
+  return words_beside(survey, strip, tag, tag.name, kNameClear);
 }
 
 // The gap that a tenth of the gaps between neighbours on one wall are shorter than; infinity
@@ -255,6 +262,12 @@ std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper, const Plan
   const double by_count = (to - from) / (kMostStrips / 2.0 * room.x());
   scale = round_scale(std::max(scale, by_count));
   return cut_into_strips(survey, from, to, room * scale);
+}
+
+Words words_beyond_name(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag,
+                        std::string text) {
+  const double clear = kNameClear + text_width(tag.name + " ", kTagNameHeight);
+  return words_beside(survey, strip, tag, std::move(text), clear);
 }
 
 Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip) {

@@ -59,6 +59,10 @@ std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper = Paper::a3
 // view_from_world * point. Tags with a chainage outside the strip are left out.
 Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip);
 
+// Words that continue the tag's name away from its wall, in their line.
+Words words_beyond_name(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag,
+                        std::string text);
+
 // The round chainages that the strip marks.
 std::vector<double> plan_ticks(const PlanStrip& strip);
 
