@@ -189,6 +189,7 @@ std::string plan_heading(const PlannedDrive& drive) {
   if (!drive.rig.envelope) {
     return text + " (the rig has no envelope: only the center line), " + at_speed;
   }
+  if (plan.poses_per_column == 1) return text + " (only the center line), " + at_speed;
   text += fmt::format(" (up to {} m and {} deg to either side", format_number(envelope.lateral, 3),
                       format_number(degrees(envelope.yaw), 2));
   if (envelope.roll > 0)
@@ -226,7 +227,7 @@ std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive) {
   const PlanSummary& summary = drive.summary;
   std::vector<PlanAnswer> answers;
   answers.push_back(
-      {"whole envelope",
+      {drive.plan.poses_per_column == 1 ? "center line" : "whole envelope",
        fmt::format("a position along {} of the drive, tags on both walls along {}",
                    percent(summary.covered_share), percent(summary.wall_pair_share))});
   answers.push_back({"gaps", gaps_text(drive)});
