@@ -2,6 +2,7 @@
 #include "tagsmith/survey/edit_yaml.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <optional>
 
@@ -251,6 +252,19 @@ Result<void> add_item_edit(std::string_view text, const YamlNode& map, const Yam
   return {};
 }
 
+// Where the line `...` begins that ends the document (YAML 1.2.2, 9.1.2), else the text's end.
+std::size_t end_of_document(std::string_view text) {
+  constexpr std::string_view kMark = "\n...";
+  for (std::size_t at = text.find(kMark); at != std::string_view::npos;
+       at = text.find(kMark, at + 1)) {
+    const std::size_t behind = at + kMark.size();
+    if (behind == text.size() || std::isspace(static_cast<unsigned char>(text[behind])) != 0) {
+      return at + 1;
+    }
+  }
+  return text.size();
+}
+
 // Behind the last item of a list, in the same style; at the end of the text where there is no list.
 Result<Replacement> items_appended(std::string_view text, const YamlNode* list,
                                    const std::string& name,
@@ -258,8 +272,9 @@ Result<Replacement> items_appended(std::string_view text, const YamlNode* list,
   std::string lines;
   if (list == nullptr) {
     for (const std::string& item : appended) lines += "  - " + item + "\n";
-    const bool ends_line = text.empty() || text.back() == '\n';
-    return Replacement{text.size(), 0, (ends_line ? "" : "\n") + name + ":\n" + lines};
+    const std::size_t end = end_of_document(text);
+    const bool ends_line = end == 0 || text[end - 1] == '\n';
+    return Replacement{end, 0, (ends_line ? "" : "\n") + name + ":\n" + lines};
   }
   auto end = list->items.empty() ? std::nullopt : end_of_map(text, list->items.back());
   if (!end || list->flow) {

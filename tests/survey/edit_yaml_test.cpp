@@ -32,6 +32,14 @@ TEST_CASE("an item is added behind one whose dash stands on a line of its own") 
   }
 }
 
+TEST_CASE("a missing list is put at the end of the document, which a line of dots may end") {
+  for (const char* end : {"", "...", "...\n", "... # all\n"}) {
+    CAPTURE(std::string(end));
+    CHECK(edit_yaml_list("survey: a...\n" + std::string(end), "placed", {}, {"{ tag: 003L }"})
+              .value() == "survey: a...\nplaced:\n  - { tag: 003L }\n" + std::string(end));
+  }
+}
+
 TEST_CASE("a missing key becomes the first, in block and in flow maps") {
   CHECK(edited("tags:\n  spacing: 0.4\n", {{{"tags"}, "theta", "20", ""}}) ==
         "tags:\n  theta: 20\n  spacing: 0.4\n");
