@@ -386,9 +386,10 @@ std::vector<std::pair<std::string, std::string>> listed_survey(const Survey& sur
   return listed;
 }
 
-// A word of 16 characters of data: index, information and unit, sign, data.
+// A word of 16 bytes of data: index, information and unit, sign, data.
 std::string gsi_text(const std::string& index, const std::string& text) {
-  return fmt::format("{}+{:0>16} ", index, text);
+  const std::string zeros(16 - std::min<std::size_t>(16, text.size()), '0');
+  return index + "+" + zeros + text + " ";
 }
 
 // Unit 6: the last digit is a tenth of a millimetre.

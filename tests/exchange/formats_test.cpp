@@ -16,6 +16,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/exchange/drift_points.hpp"
 #include "tests/exchange/dxf_group.hpp"
+#include "tests/support/contents.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
@@ -197,6 +198,23 @@ TEST_CASE("points of every format and unit become the tunnel that they were meas
     }
     CHECK(survey.grid.epsg == (std::string(each.name) == "LandXML" ? 25832 : 0));
   }
+}
+
+TEST_CASE("a GSI file names a template with letters of two bytes whole") {
+  const TemporaryFolder folder;
+  const std::string name = "tafel-grün-für-schächte";
+  const fs::path file = folder.path() / "survey.yaml";
+  std::string text = contents("surveys/corridor/survey.yaml");
+  text.replace(text.find("tag-400x300"), 11, name);
+  write_text(file, text);
+  std::string plate = contents("templates/tag-400x300.yaml");
+  plate.replace(plate.find("tag: tag-400x300"), 16, "tag: " + name);
+  write_text(folder.path() / (name + ".yaml"), plate);
+  const fs::path list = folder.path() / "tags.gsi";
+  REQUIRE(run_tagsmith("export " + quoted(file) + " -o " + quoted(list)).exit_code == 0);
+  const ProgramOutput made = run_tagsmith("new " + quoted(folder.path() / "out") + " --from " +
+                                          quoted(list) + " --mount-height 0.4 --tunnel-height 3");
+  CHECK_MESSAGE(made.err.find("no template `" + name + "`") != std::string::npos, made.err);
 }
 
 TEST_CASE("what export writes for surveyors, new reads back, with the digits that are printed") {
