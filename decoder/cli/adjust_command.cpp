@@ -581,7 +581,7 @@ void warn_of_less_certain(const Survey& survey, const AsBuiltSurvey& found) {
   names.resize(std::min(count, kMostNamed));
   to_stderr(
       "tagsmith {}: {} in `placed` {} as surveyed by the photos, which tell the place less well "
-      "than the survey does: {}{}: with --control such tags keep their places\n",
+      "than the survey does: {}{}: with `control: true` such tags keep their places\n",
       kAdjust, counted(count, "tag"), count == 1 ? "hangs" : "hang", fmt::join(names, ", "),
       count > kMostNamed ? " ..." : "");
 }

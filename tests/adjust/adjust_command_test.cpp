@@ -117,7 +117,7 @@ TEST_CASE("a run puts a tag in its place, in a survey that keeps its comments") 
 TEST_CASE("a tag that the survey knows better than the photos tell is named") {
   const MovedCorridor corridor;
   const std::string errors = corridor.run(kRun + " --control 001L,001R").err;
-  CHECK_MESSAGE(has(errors, "less well than the survey does: 002R: with --control"), errors);
+  CHECK_MESSAGE(has(errors, "less well than the survey does: 002R: with `control: true`"), errors);
 }
 
 TEST_CASE("the changes alone make the survey that is written, and a drawing shows them") {
