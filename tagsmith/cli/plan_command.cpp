@@ -74,8 +74,6 @@ Templates available_templates(const Survey& survey) {
   Templates all;
   const fs::path beside = survey.file.has_parent_path() ? survey.file.parent_path() : ".";
   add_templates(beside, all);
-  // By a path into another folder.
-  all.emplace(survey.tag_template.file, survey.tag_template);
   std::set<std::string> names;
   for (const auto& [path, tag] : all) names.insert(path.stem().string());
   Templates own;
@@ -170,14 +168,18 @@ Result<void> add_template(const TagTemplate& tag, const fs::path& folder, Optimi
 // Adds the chosen survey, read back from its text.
 Result<void> write_survey(const Survey& survey, const Layout& layout, const Templates& templates,
                           OptimisedDrive& drive) {
-  const auto used = std::ranges::find_if(templates, [&](const auto& entry) {
-    return is_same_plate(entry.second, layout.tag_template);
-  });
+  const fs::path folder = survey.file.parent_path();
   std::string template_name = layout.tag_template.name;
-  if (used != templates.end()) {
-    template_name = used->first.stem().string();
-    const fs::path folder = survey.file.parent_path();
-    if (auto added = add_template(used->second, folder, drive); !added) return added;
+  if (is_same_plate(survey.tag_template, layout.tag_template)) {
+    if (auto added = add_template(survey.tag_template, folder, drive); !added) return added;
+  } else {
+    const auto used = std::ranges::find_if(templates, [&](const auto& entry) {
+      return is_same_plate(entry.second, layout.tag_template);
+    });
+    if (used != templates.end()) {
+      template_name = used->first.stem().string();
+      if (auto added = add_template(used->second, folder, drive); !added) return added;
+    }
   }
   auto text = edited_file(survey.file, survey_edits(survey, layout, template_name));
   if (!text) return fail(text);
